@@ -1,0 +1,78 @@
+#include "rbd/algorithm/aba.h"
+
+#include "rbd/algorithm/inner/articulate.h"
+#include "rbd/algorithm/inner/kernels.h"
+
+namespace rbd {
+namespace inner {
+
+// Featherstone 2008, table 7.1, in world axes, so that inertias and forces of children simply add to their
+// parent's. One change: pass 1 also finds the acceleration that velocities and gravity alone would give each
+// body (all qdd = 0) and the force it takes. Passes 2 and 3 work relative to it, so the table's term IA c is
+// never needed. A joint of several dofs is eliminated one dof after the other, as if massless bodies stood
+// between them.
+template <class S>
+int abaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const S* tau, S* qdd, S& d) {
+  const Joints& joints = model.packed();
+  const int n = model.njoints;
+  angles(model, q, s);
+  worldPoses(joints, q, s);
+
+  // pass 1, outward: velocities, and the bias force f of each body
+  s.v[0] = Motion<S>::zero();
+  s.a[0] = {Vec3<S>::zero(), -gravity<S>(model)};
+  for (int i = 1; i < n; ++i) {
+    const PackedJoint& joint = joints[i];
+    worldColumns(joint, i, s);
+    const Motion<S> vJ = jointMotion(joint, qd, s);
+    s.v[i] = s.v[joint.parent] + vJ;
+    s.a[i] = s.a[joint.parent] + cross(s.v[joint.parent], vJ);
+    const RigidInertia<S> I = worldInertia(joint, s.R[i], s.p[i]);
+    s.f[i] = I * s.a[i] + crossForce(s.v[i], I * s.v[i]);
+    s.IA[i] = ArticulatedInertia<S>::rigid(I);
+  }
+
+  // pass 2, inward: what each joint feels of everything beyond it
+  const int singular = articulate(model, s, d, [&](int i, int k, const Motion<S>& column) {
+    s.u[k] = tau[k] - dot(column, s.f[i]);
+    s.f[i] = s.f[i] + s.U[k] * (s.u[k] * s.inverseD[k]);
+  });
+  if (singular >= 0) return singular;
+
+  // pass 3, outward: accelerations, relative to those of pass 1
+  s.a[0] = Motion<S>::zero();
+  for (int i = 1; i < n; ++i) {
+    const PackedJoint& joint = joints[i];
+    s.a[i] = s.a[joint.parent];
+    for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
+      qdd[k] = (s.u[k] - dot(s.a[i], s.U[k])) * s.inverseD[k];
+      s.a[i] = s.a[i] + s.column[k] * qdd[k];
+    }
+  }
+  return -1;
+}
+
+template int abaKernel(const Model&, Scratch<double>&, const double*, const double*, const double*, double*,
+                       double&);
+template int abaKernel(const Model&, Scratch<long double>&, const long double*, const long double*,
+                       const long double*, long double*, long double&);
+
+}  // namespace inner
+
+const Eigen::VectorXd& aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                           const ConstVectorRef& tau) {
+  inner::checkInputs("aba", model, data, q, "v", v, "tau", tau);
+  double d = 0;
+  const int singular =
+      inner::abaKernel(model, data.work().d, q.data(), v.data(), tau.data(), data.ddq.data(), d);
+  if (singular >= 0) inner::failSingular("aba", model, singular, d);
+  return data.ddq;
+}
+
+void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+         const ConstVectorRef& tau, VectorRef ddq) {
+  inner::checkOut("aba", "ddq", model, ddq, model.nv, "nv");
+  ddq = aba(model, data, q, v, tau);
+}
+
+}  // namespace rbd

@@ -1,0 +1,13 @@
+// The joint-space inertia matrix M(q), armature included, both sides filled.
+// Source: composite rigid bodies, Featherstone 2008, table 6.2.
+#pragma once
+
+#include "rbd/algorithm/kinematics.h"
+
+namespace rbd {
+
+// data.M, nv x nv.
+const PaddedMatrix& crba(const Model& model, Data& data, const ConstVectorRef& q);
+void crba(const Model& model, Data& data, const ConstVectorRef& q, MatrixRef M);
+
+}  // namespace rbd

@@ -1,0 +1,40 @@
+// The inward pass over articulated inertias that aba and computeMinverse share: Featherstone 2008, table 7.1,
+// pass 2.
+#pragma once
+
+#include <algorithm>
+
+#include "rbd/algorithm/inner/stages.h"
+
+namespace rbd::inner {
+
+// Needs IA[i] = rigid inertias, f[i], column. Fills U, inverseD; IA and f of children are added to their
+// parents. `bias(i, k, column)` is called for each dof k of joint i once U[k] and inverseD[k] are known.
+// Returns the dof whose inertia D is singular (D in `d`), or -1. Singular: not above 1e-14 of the largest D
+// beyond it, which is what rounding leaves of a true zero.
+template <class S, class Bias>
+inline int articulate(const Model& model, Scratch<S>& s, S& d, Bias&& bias) {
+  const Joints& joints = model.packed();
+  std::fill(s.largestD.begin(), s.largestD.end(), S(0));
+  for (int i = model.njoints - 1; i > 0; --i) {
+    const PackedJoint& joint = joints[i];
+    ArticulatedInertia<S>& IA = s.IA[i];
+    for (int k = joint.idx_v + joint.nv - 1; k >= joint.idx_v; --k) {
+      s.U[k] = IA * s.column[k];
+      d = dot(s.column[k], s.U[k]) + S(model.armature[k]);
+      if (!(d > S(1e-14) * s.largestD[i])) return k;
+      s.largestD[i] = std::max(s.largestD[i], d);
+      s.inverseD[k] = S(1) / d;
+      bias(i, k, s.column[k]);
+      IA.subtract(s.U[k], s.inverseD[k]);
+    }
+    if (joint.parent > 0) {
+      s.IA[joint.parent] = s.IA[joint.parent] + IA;
+      s.f[joint.parent] = s.f[joint.parent] + s.f[i];
+      s.largestD[joint.parent] = std::max(s.largestD[joint.parent], s.largestD[i]);
+    }
+  }
+  return -1;
+}
+
+}  // namespace rbd::inner

@@ -1,0 +1,82 @@
+#include "rbd/algorithm/inner/check.h"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "rbd/algorithm/inner/workspace.h"
+
+namespace rbd::inner {
+
+bool fits(const Model& model, const Data& data) {
+  return !data.movedFrom() && data.work().topology == model.topology() &&
+         data.oMf.size() == static_cast<std::size_t>(model.nframes);
+}
+
+void failData(const char* function, const Model& model, const Data& data) {
+  std::ostringstream text;
+  text << function << ": this Data was made for another model, or before model '" << model.name
+       << "' was extended (Data: " << data.oMi.size() << " joints, " << data.oMf.size()
+       << " frames; model: " << model.njoints << " joints, " << model.nframes << " frames); make a new Data";
+  throw std::invalid_argument(text.str());
+}
+
+void failVector(const char* function, const char* name, const double* x, Eigen::Index given, int needed,
+                const char* needed_name, const Model& model) {
+  std::ostringstream text;
+  text << function << ": ";
+  if (given != needed) {
+    text << name << " has " << given << " entries, model '" << model.name << "' needs " << needed << " ("
+         << needed_name << ")";
+  } else {
+    for (int i = 0; i < needed; ++i) {
+      if (!std::isfinite(x[i])) {
+        text << name << "[" << i << "] is " << x[i] << ", it must be a finite number";
+        break;
+      }
+    }
+  }
+  throw std::invalid_argument(text.str());
+}
+
+void checkQuaternions(const char* function, const Model& model, const ConstVectorRef& q) {
+  for (int i = 1; i < model.njoints; ++i) {
+    if (model.joints[i].kind() != JointKind::FreeFlyer) continue;
+    // the same sum that the kernels divide by
+    const int at = model.joints[i].idx_q() + 3;
+    if (q.segment<4>(at).squaredNorm() > 1e-12) continue;
+    std::ostringstream text;
+    text << function << ": the quaternion of joint '" << model.names[i] << "' (q[" << at << "] to q["
+         << at + 3 << "]) is zero; start from neutral(model)";
+    throw std::invalid_argument(text.str());
+  }
+}
+
+void failMatrix(const char* function, const char* name, const MatrixRef& m, int rows, int cols) {
+  std::ostringstream text;
+  text << function << ": output " << name << " is " << m.rows() << " x " << m.cols() << ", it must be "
+       << rows << " x " << cols;
+  throw std::invalid_argument(text.str());
+}
+
+void failIndex(const char* function, const char* what, int index, int count, const Model& model) {
+  std::ostringstream text;
+  text << function << ": " << what << " index " << index << " does not exist, model '" << model.name
+       << "' has " << count << " " << what << "s";
+  throw std::invalid_argument(text.str());
+}
+
+void failOrder(const char* function, const char* what) {
+  throw std::invalid_argument(std::string(function) + ": call " + what + " first");
+}
+
+void failSingular(const char* function, const Model& model, int dof, double d) {
+  int joint = 1;
+  while (joint + 1 < model.njoints && model.joints[joint + 1].idx_v() <= dof) ++joint;
+  std::ostringstream text;
+  text << function << ": the inertia that joint '" << model.names[joint] << "' moves is singular (" << d
+       << "); give its bodies mass and inertia, or the joint armature";
+  throw std::runtime_error(text.str());
+}
+
+}  // namespace rbd::inner

@@ -1,0 +1,46 @@
+// From the kernels' frames and types to the user's: joint frames are turned back, Eigen types filled.
+#pragma once
+
+#include "rbd/algorithm/inner/stages.h"
+
+namespace rbd::inner {
+
+inline void storePose(const Mat3<double>& R, const Vec3<double>& p, SE3& out) {
+  double* m = out.rotation().data();
+  R.c0.storeU(m);
+  R.c1.storeU(m + 3);
+  R.c2.storeU(m + 6);
+  p.storeU(out.translation().data());
+}
+
+inline Eigen::Vector3d toEigen(const Vec3<double>& x) { return {x[0], x[1], x[2]}; }
+
+// A motion in a joint's kernel axes, in the user's axes of that joint.
+inline rbd::Motion userMotion(const PackedJoint& joint, const Motion<double>& m) {
+  const Mat3<double> turn = Mat3<double>::load(joint.turn);
+  return {toEigen(turn * m.w), toEigen(turn * m.v)};
+}
+
+// data.oMi from R, p, centre.
+inline void storeJointPoses(const Model& model, Data& data) {
+  const Scratch<double>& s = data.work().d;
+  for (int i = 1; i < model.njoints; ++i) {
+    storePose(timesMatrix(s.R[i], model.packed()[i].turnT), s.centre + s.p[i], data.oMi[i]);
+  }
+}
+
+// data.oMf from data.oMi.
+inline void storeFramePoses(const Model& model, Data& data) {
+  for (int i = 0; i < model.nframes; ++i) {
+    const Frame& frame = model.frames[i];
+    const SE3& joint = data.oMi[frame.parentJoint];
+    const double *m = joint.rotation().data(), *b = frame.placement.rotation().data();
+    const Mat3<double> R = {Vec3<double>::loadU(m), Vec3<double>::loadU(m + 3), Vec3<double>::loadU(m + 6)};
+    storePose(
+        {times(R, b), times(R, b + 3), times(R, b + 6)},
+        Vec3<double>::loadU(joint.translation().data()) + times(R, frame.placement.translation().data()),
+        data.oMf[i]);
+  }
+}
+
+}  // namespace rbd::inner

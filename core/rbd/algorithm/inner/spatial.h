@@ -1,0 +1,98 @@
+// Spatial vectors and inertias of the kernels. Book names and rules: Featherstone 2008, table 2.1 to 2.3,
+// appendix A.
+//
+// Motion (w, v), Force (n, f), angular first. The rigid inertia is (m, h = m c, I about the ORIGIN): three
+// terms that simply add when all bodies are written about one point along one set of axes.
+#pragma once
+
+#include "rbd/algorithm/inner/vec3.h"
+
+namespace rbd::inner {
+
+template <class S>
+struct Force {
+  Vec3<S> n, f;
+  static Force zero() { return {Vec3<S>::zero(), Vec3<S>::zero()}; }
+  friend Force operator+(const Force& a, const Force& b) { return {a.n + b.n, a.f + b.f}; }
+  friend Force operator-(const Force& a, const Force& b) { return {a.n - b.n, a.f - b.f}; }
+  friend Force operator*(const Force& a, S s) { return {a.n * s, a.f * s}; }
+};
+
+template <class S>
+struct Motion {
+  Vec3<S> w, v;
+  static Motion zero() { return {Vec3<S>::zero(), Vec3<S>::zero()}; }
+  friend Motion operator+(const Motion& a, const Motion& b) { return {a.w + b.w, a.v + b.v}; }
+  friend Motion operator-(const Motion& a, const Motion& b) { return {a.w - b.w, a.v - b.v}; }
+  friend Motion operator*(const Motion& a, S s) { return {a.w * s, a.v * s}; }
+  friend S dot(const Motion& m, const Force<S>& f) { return dot2(m.w, f.n, m.v, f.f); }
+  // v x m
+  friend Motion cross(const Motion& a, const Motion& m) {
+    return {cross(a.w, m.w), cross(a.w, m.v) + cross(a.v, m.w)};
+  }
+  // v x* f
+  friend Force<S> crossForce(const Motion& a, const Force<S>& f) {
+    return {cross(a.w, f.n) + cross(a.v, f.f), cross(a.w, f.f)};
+  }
+};
+
+template <class S>
+struct RigidInertia {
+  Mat3<S> I;  // about the origin
+  Vec3<S> h;  // mass * centre of mass
+  S m;
+  friend RigidInertia operator+(const RigidInertia& a, const RigidInertia& b) {
+    return {a.I + b.I, a.h + b.h, a.m + b.m};
+  }
+  friend Force<S> operator*(const RigidInertia& i, const Motion<S>& v) {
+    return {i.I * v.w + cross(i.h, v.v), v.v * i.m - cross(i.h, v.w)};
+  }
+};
+
+// The articulated-body inertia: a full symmetric 6x6 as columns. (n; f) = [A B; B' M] (w; v).
+// It keeps B and its transpose, so that a product is twelve multiply-adds without any shuffle.
+template <class S>
+struct ArticulatedInertia {
+  Mat3<S> A, B, Bt, M;
+
+  static ArticulatedInertia rigid(const RigidInertia<S>& r) {
+    const S o(0);
+    const Mat3<S> hx = {Vec3<S>::make(o, r.h[2], -r.h[1]), Vec3<S>::make(-r.h[2], o, r.h[0]),
+                        Vec3<S>::make(r.h[1], -r.h[0], o)};
+    return {r.I,
+            hx,
+            {-hx.c0, -hx.c1, -hx.c2},
+            {Vec3<S>::make(r.m, o, o), Vec3<S>::make(o, r.m, o), Vec3<S>::make(o, o, r.m)}};
+  }
+  friend ArticulatedInertia operator+(const ArticulatedInertia& a, const ArticulatedInertia& b) {
+    return {a.A + b.A, a.B + b.B, a.Bt + b.Bt, a.M + b.M};
+  }
+  friend Force<S> operator*(const ArticulatedInertia& i, const Motion<S>& v) {
+    return {i.A * v.w + i.B * v.v, i.Bt * v.w + i.M * v.v};
+  }
+  // minus U U' / D
+  void subtract(const Force<S>& U, S inverse_d) {
+    const Force<S> u = U * inverse_d;
+    A = {A.c0 - U.n * u.n[0], A.c1 - U.n * u.n[1], A.c2 - U.n * u.n[2]};
+    B = {B.c0 - U.n * u.f[0], B.c1 - U.n * u.f[1], B.c2 - U.n * u.f[2]};
+    Bt = {Bt.c0 - U.f * u.n[0], Bt.c1 - U.f * u.n[1], Bt.c2 - U.f * u.n[2]};
+    M = {M.c0 - U.f * u.f[0], M.c1 - U.f * u.f[1], M.c2 - U.f * u.f[2]};
+  }
+};
+
+// A child frame in its parent: R takes child to parent coordinates, Rt back, p is the child's origin in the
+// parent.
+template <class S>
+struct Pose {
+  Mat3<S> R, Rt;
+  Vec3<S> p;
+  // Motion of the parent, written in the child (Featherstone: X m).
+  Motion<S> toChild(const Motion<S>& m) const { return {Rt * m.w, Rt * (m.v - cross(p, m.w))}; }
+  // Force on the child, written in the parent (Featherstone: X' f).
+  Force<S> toParent(const Force<S>& f) const {
+    const Vec3<S> ff = R * f.f;
+    return {R * f.n + cross(p, ff), ff};
+  }
+};
+
+}  // namespace rbd::inner

@@ -1,0 +1,52 @@
+// Scratch arrays of the kernels. One per Data; sizes are fixed when it is made.
+//
+// "World axes" below means: along the world's axes, about the CENTRE, a point near the robot (the first
+// joint's origin), so that a robot far from the world's origin loses no digits. All bodies written so,
+// inertias, forces and momenta simply add. "Local" means: in the joint's own kernel frame (z along its axis,
+// see packed_joint.h).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rbd/algorithm/inner/spatial.h"
+#include "rbd/model/model.h"
+
+namespace rbd::inner {
+
+template <class S>
+struct Scratch {
+  explicit Scratch(const Model& model);
+
+  std::vector<S> sine, cosine;            // nq + 3: of every entry of q (only those of angles are used)
+  std::vector<Pose<S>> X;                 // njoints, joint in its parent                 localPoses
+  std::vector<Mat3<S>> R;                 // njoints, kernel frame in world axes          worldPoses
+  std::vector<Vec3<S>> p;                 // njoints, its origin from the centre (m)      worldPoses
+  Vec3<S> centre = Vec3<S>::zero();       // in the world (m)                             worldPoses
+  std::vector<Motion<S>> column;          // nv, motion of one dof, world axes            worldColumns
+  std::vector<RigidInertia<S>> I;         // njoints, world axes                          worldInertias
+  std::vector<Motion<S>> v, a;            // njoints, local or world as the algorithm says
+  std::vector<Force<S>> f;                // njoints, the same
+  std::vector<ArticulatedInertia<S>> IA;  // njoints, world axes                        aba, computeMinverse
+  std::vector<Force<S>> U;                // nv, IA column
+  std::vector<S> inverseD, u;             // nv
+  std::vector<S> largestD;                // njoints, over all dofs at and beyond a joint
+  std::vector<S> F, P;  // 6 x stride and 6 x stride per depth: one row per force or motion coordinate
+};
+
+struct Workspace {
+  explicit Workspace(const Model& model);
+
+  std::uint64_t topology;       // of the model this was made for
+  std::vector<int> dofParent;   // nv, the dof before this one on the way to the root, -1 = none
+  std::vector<int> dofJoint;    // nv, the joint a dof belongs to
+  std::vector<int> order;       // nv, dofs in depth-first order
+  std::vector<int> subtreeEnd;  // nv, by position in `order`: end of the positions that this dof moves
+  std::vector<int> depth;       // nv, by position in `order`: number of dofs above
+  bool depthFirst = true;       // order is 0, 1, 2, ..
+  int stride = 0;               // nv rounded up to 8
+  std::vector<double> W;        // nv x stride, Minv in depth-first order where that is not the model's
+  Scratch<double> d;
+};
+
+}  // namespace rbd::inner

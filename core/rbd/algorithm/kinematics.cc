@@ -1,0 +1,111 @@
+#include "rbd/algorithm/kinematics.h"
+
+#include "rbd/algorithm/inner/public_face.h"
+
+namespace rbd {
+namespace {
+
+using inner::Scratch;
+
+// Velocities, and accelerations without gravity, of every joint in its own axes. Featherstone 2008,
+// table 5.1. Given null rates (qdd) they are left alone.
+void localMotions(const Model& model, Data& data, const double* q, const double* qd, const double* qdd) {
+  Scratch<double>& s = data.work().d;
+  const inner::Joints& joints = model.packed();
+  s.v[0] = s.a[0] = inner::Motion<double>::zero();
+  for (int i = 1; i < model.njoints; ++i) {
+    const PackedJoint& joint = joints[i];
+    inner::jointPose(joint, q, s, s.X[i]);
+    s.v[i] = inner::plusJoint(joint, s.X[i].toChild(s.v[joint.parent]), qd + joint.idx_v);
+    data.v[i] = inner::userMotion(joint, s.v[i]);
+    if (!qdd) continue;
+    const inner::Motion<double> carried =
+        s.X[i].toChild(s.a[joint.parent]) + inner::crossJoint(joint, s.v[i], qd + joint.idx_v);
+    s.a[i] = inner::plusJoint(joint, carried, qdd + joint.idx_v);
+    data.a[i] = inner::userMotion(joint, s.a[i]);
+  }
+}
+
+void poses(const Model& model, Data& data, const ConstVectorRef& q) {
+  inner::angles(model, q.data(), data.work().d);
+  inner::worldPoses(model.packed(), q.data(), data.work().d);
+  inner::storeJointPoses(model, data);
+  inner::storeFramePoses(model, data);
+  data.q_in = q;
+  data.kinematics_order = 0;
+}
+
+Motion inReference(const SE3& pose, const Motion& local, ReferenceFrame reference) {
+  if (reference == WORLD) return pose.act(local);
+  if (reference == LOCAL) return local;
+  return {pose.rotation() * local.angular(), pose.rotation() * local.linear()};
+}
+
+}  // namespace
+
+void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q) {
+  inner::checkInputs("forwardKinematics", model, data, q);
+  poses(model, data, q);
+}
+
+void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v) {
+  inner::checkInputs("forwardKinematics", model, data, q, "v", v);
+  poses(model, data, q);
+  localMotions(model, data, q.data(), v.data(), nullptr);
+  data.v_in = v;
+  data.kinematics_order = 1;
+}
+
+void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                       const ConstVectorRef& a) {
+  inner::checkInputs("forwardKinematics", model, data, q, "v", v, "a", a);
+  poses(model, data, q);
+  localMotions(model, data, q.data(), v.data(), a.data());
+  data.v_in = v;
+  data.a_in = a;
+  data.kinematics_order = 2;
+}
+
+void framesForwardKinematics(const Model& model, Data& data, const ConstVectorRef& q) {
+  inner::checkInputs("framesForwardKinematics", model, data, q);
+  poses(model, data, q);
+}
+
+void updateFramePlacements(const Model& model, Data& data) {
+  inner::checkData("updateFramePlacements", model, data);
+  inner::storeFramePoses(model, data);
+}
+
+const SE3& updateFramePlacement(const Model& model, Data& data, FrameIndex frame) {
+  inner::checkData("updateFramePlacement", model, data);
+  inner::checkFrame("updateFramePlacement", model, frame);
+  return data.oMf[frame] = data.oMi[model.frames[frame].parentJoint] * model.frames[frame].placement;
+}
+
+Motion getFrameVelocity(const Model& model, const Data& data, FrameIndex frame, ReferenceFrame reference) {
+  inner::checkData("getFrameVelocity", model, data);
+  inner::checkFrame("getFrameVelocity", model, frame);
+  if (data.kinematics_order < 1) inner::failOrder("getFrameVelocity", "forwardKinematics(model, data, q, v)");
+  const Frame& f = model.frames[frame];
+  return inReference(data.oMi[f.parentJoint] * f.placement, f.placement.actInv(data.v[f.parentJoint]),
+                     reference);
+}
+
+void getFrameVelocity(const Model& model, const Data& data, FrameIndex frame, ReferenceFrame reference,
+                      Motion& out) {
+  out = getFrameVelocity(model, data, frame, reference);
+}
+
+Motion getVelocity(const Model& model, const Data& data, JointIndex joint, ReferenceFrame reference) {
+  inner::checkData("getVelocity", model, data);
+  inner::checkJoint("getVelocity", model, joint);
+  if (data.kinematics_order < 1) inner::failOrder("getVelocity", "forwardKinematics(model, data, q, v)");
+  return inReference(data.oMi[joint], data.v[joint], reference);
+}
+
+void getVelocity(const Model& model, const Data& data, JointIndex joint, ReferenceFrame reference,
+                 Motion& out) {
+  out = getVelocity(model, data, joint, reference);
+}
+
+}  // namespace rbd

@@ -1,0 +1,39 @@
+// Where everything is and how fast it moves.
+//
+// q: nq, v and a: nv numbers (model.h); units SI; world frame unless said. Errors: std::invalid_argument
+// naming the function, what was given and what was needed. Source: Featherstone 2008, section 4.1.3 and
+// table 5.1 (pass 1).
+#pragma once
+
+#include "rbd/model/data.h"
+
+namespace rbd {
+
+using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
+using VectorRef = Eigen::Ref<Eigen::VectorXd>;
+using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
+
+// Poses of all joints and frames: data.oMi, data.oMf. Remembers q in data.q_in.
+void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q);
+// And data.v (LOCAL).
+void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v);
+// And data.a (LOCAL, spatial, gravity not included).
+void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                       const ConstVectorRef& a);
+
+// data.oMf from data.oMi. forwardKinematics has done this already; for those who changed oMi themselves.
+void updateFramePlacements(const Model& model, Data& data);
+// One frame only; returns data.oMf[frame].
+const SE3& updateFramePlacement(const Model& model, Data& data, FrameIndex frame);
+// The same as forwardKinematics(model, data, q), for those who know it under this name.
+void framesForwardKinematics(const Model& model, Data& data, const ConstVectorRef& q);
+
+// Velocity of a frame or a joint in the reference asked for. Needs forwardKinematics with v.
+Motion getFrameVelocity(const Model& model, const Data& data, FrameIndex frame, ReferenceFrame reference);
+void getFrameVelocity(const Model& model, const Data& data, FrameIndex frame, ReferenceFrame reference,
+                      Motion& out);
+Motion getVelocity(const Model& model, const Data& data, JointIndex joint, ReferenceFrame reference);
+void getVelocity(const Model& model, const Data& data, JointIndex joint, ReferenceFrame reference,
+                 Motion& out);
+
+}  // namespace rbd

@@ -1,0 +1,111 @@
+#include "rbd/algorithm/rnea.h"
+
+#include "rbd/algorithm/inner/kernels.h"
+#include "rbd/algorithm/inner/stages.h"
+
+namespace rbd {
+namespace inner {
+
+// Featherstone 2008, table 5.1, every body in its own axes. qdd may be null: then it is zero.
+template <class S>
+void rneaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const S* qdd, S* tau) {
+  const Joints& joints = model.packed();
+  const int n = model.njoints;
+  angles(model, q, s);
+
+  // outward: velocities and accelerations; a fixed base that accelerates upwards feels like gravity
+  s.v[0] = Motion<S>::zero();
+  s.f[0] = Force<S>::zero();
+  s.a[0] = {Vec3<S>::zero(), -gravity<S>(model)};
+  for (int i = 1; i < n; ++i) {
+    const PackedJoint& joint = joints[i];
+    const S* rate = qd + joint.idx_v;
+    jointPose(joint, q, s, s.X[i]);
+    const Pose<S>& X = s.X[i];
+    s.v[i] = plusJoint(joint, X.toChild(s.v[joint.parent]), rate);
+    s.a[i] = X.toChild(s.a[joint.parent]) + crossJoint(joint, s.v[i], rate);
+    if (qdd) s.a[i] = plusJoint(joint, s.a[i], qdd + joint.idx_v);
+
+    // the force that gives body i this motion
+    const RigidInertia<S> I = {Mat3<S>::load(joint.inertiaO), Vec3<S>::load(joint.moment), S(joint.mass)};
+    s.f[i] = I * s.a[i] + crossForce(s.v[i], I * s.v[i]);
+  }
+
+  // inward: each joint carries its body and everything beyond
+  for (int i = n - 1; i > 0; --i) {
+    const PackedJoint& joint = joints[i];
+    jointEffort(joint, s.f[i], tau + joint.idx_v);
+    s.f[joint.parent] = s.f[joint.parent] + s.X[i].toParent(s.f[i]);
+  }
+  if (qdd) {
+    for (int k = 0; k < model.nv; ++k) tau[k] = tau[k] + S(model.armature[k]) * qdd[k];
+  }
+}
+
+// Gravity alone: a subtree of mass m and first moment h pulls with the wrench (h x g, m g).
+template <class S>
+void gravityKernel(const Model& model, Scratch<S>& s, const S* q, S* tau) {
+  const Joints& joints = model.packed();
+  angles(model, q, s);
+  worldPoses(joints, q, s);
+  const Vec3<S> g = gravity<S>(model);
+  s.f[0] = Force<S>::zero();
+  for (int i = 1; i < model.njoints; ++i) {
+    worldColumns(joints[i], i, s);
+    const Vec3<S> c = s.p[i] + times(s.R[i], joints[i].com);
+    const Vec3<S> f = g * S(joints[i].mass);
+    s.f[i] = {cross(c, f), f};
+  }
+  for (int i = model.njoints - 1; i > 0; --i) {
+    for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) tau[k] = -dot(s.column[k], s.f[i]);
+    s.f[joints[i].parent] = s.f[joints[i].parent] + s.f[i];
+  }
+}
+
+template void rneaKernel(const Model&, Scratch<double>&, const double*, const double*, const double*,
+                         double*);
+template void rneaKernel(const Model&, Scratch<long double>&, const long double*, const long double*,
+                         const long double*, long double*);
+template void gravityKernel(const Model&, Scratch<double>&, const double*, double*);
+template void gravityKernel(const Model&, Scratch<long double>&, const long double*, long double*);
+
+}  // namespace inner
+
+const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                            const ConstVectorRef& a) {
+  inner::checkInputs("rnea", model, data, q, "v", v, "a", a);
+  inner::rneaKernel(model, data.work().d, q.data(), v.data(), a.data(), data.tau.data());
+  return data.tau;
+}
+
+void rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+          const ConstVectorRef& a, VectorRef tau) {
+  inner::checkOut("rnea", "tau", model, tau, model.nv, "nv");
+  tau = rnea(model, data, q, v, a);
+}
+
+const Eigen::VectorXd& nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q,
+                                        const ConstVectorRef& v) {
+  inner::checkInputs("nonLinearEffects", model, data, q, "v", v);
+  inner::rneaKernel<double>(model, data.work().d, q.data(), v.data(), nullptr, data.nle.data());
+  return data.nle;
+}
+
+void nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                      VectorRef nle) {
+  inner::checkOut("nonLinearEffects", "nle", model, nle, model.nv, "nv");
+  nle = nonLinearEffects(model, data, q, v);
+}
+
+const Eigen::VectorXd& computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q) {
+  inner::checkInputs("computeGeneralizedGravity", model, data, q);
+  inner::gravityKernel(model, data.work().d, q.data(), data.g.data());
+  return data.g;
+}
+
+void computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q, VectorRef g) {
+  inner::checkOut("computeGeneralizedGravity", "g", model, g, model.nv, "nv");
+  g = computeGeneralizedGravity(model, data, q);
+}
+
+}  // namespace rbd

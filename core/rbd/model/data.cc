@@ -1,0 +1,58 @@
+#include "rbd/model/data.h"
+
+#include "rbd/algorithm/inner/workspace.h"
+
+namespace rbd {
+
+Data::Data(const Model& model) : work_(std::make_unique<inner::Workspace>(model)) {
+  const auto njoints = static_cast<std::size_t>(model.njoints);
+  oMi.resize(njoints);
+  oMf.resize(static_cast<std::size_t>(model.nframes));
+  v.resize(njoints);
+  a.resize(njoints);
+  q_in.setZero(model.nq);
+  v_in.setZero(model.nv);
+  a_in.setZero(model.nv);
+  J = PaddedMatrix(6, model.nv);
+  M = PaddedMatrix(model.nv, model.nv);
+  Minv = PaddedMatrix(model.nv, model.nv);
+  Jcom = PaddedMatrix(3, model.nv);
+  for (Eigen::VectorXd* x : {&tau, &ddq, &nle, &g}) x->setZero(model.nv);
+  com.assign(1, Eigen::Vector3d::Zero());
+  vcom.assign(1, Eigen::Vector3d::Zero());
+  mass.assign(1, 0.0);
+  joints.resize(njoints);
+  for (int i = 1; i < model.njoints; ++i) {
+    joints[i].nq_ = model.joints[i].nq();
+    joints[i].nv_ = model.joints[i].nv();
+  }
+  rebase();
+}
+
+Data::~Data() = default;
+
+Data::Data(const Data& other)
+    : DataFields(other), joints(other.joints), work_(std::make_unique<inner::Workspace>(*other.work_)) {
+  rebase();
+}
+
+Data& Data::operator=(const Data& other) { return *this = Data(other); }
+
+// A moved-from VectorXd hands over its memory, so the joints' pointers stay right.
+Data::Data(Data&& other) noexcept = default;
+Data& Data::operator=(Data&& other) noexcept = default;
+
+// Points each joint at its own numbers; joints are in the order of q and v.
+void Data::rebase() {
+  const double *q = q_in.data(), *rate = v_in.data();
+  for (JointData& joint : joints) {
+    joint.q_ = q;
+    joint.v_ = rate;
+    q += joint.nq_;
+    rate += joint.nv_;
+  }
+}
+
+Data Model::createData() const { return Data(*this); }
+
+}  // namespace rbd

@@ -1,0 +1,85 @@
+// Results and scratch of the algorithms for one Model: one Data per thread.
+//
+// Every algorithm says which field holds its answer. Nothing allocates after construction. A field keeps its
+// last value until an algorithm that writes it is called again; before that it is zero (poses: identity).
+// Data made for another model, or before the model was extended, is refused by every algorithm (by its
+// sizes). It keeps no pointer to its Model.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "rbd/model/model.h"
+#include "rbd/model/padded_matrix.h"
+
+namespace rbd {
+
+namespace inner {
+struct Workspace;
+}
+
+// The numbers of one joint inside Data::q_in and Data::v_in (as of the last forwardKinematics).
+class JointData {
+ public:
+  Eigen::Map<const Eigen::VectorXd> joint_q() const { return {q_, nq_}; }
+  Eigen::Map<const Eigen::VectorXd> joint_v() const { return {v_, nv_}; }
+
+ private:
+  friend struct Data;
+  const double *q_ = nullptr, *v_ = nullptr;
+  Eigen::Index nq_ = 0, nv_ = 0;
+};
+
+// What a Data holds for its reader. n = model.nv. Written by the algorithm named behind each field.
+struct DataFields {
+  std::vector<SE3>
+      oMi;  // njoints, world pose of each joint's frame             forwardKinematics, computeJointJacobians
+  std::vector<SE3>
+      oMf;  // nframes, world pose of each frame                      forwardKinematics, updateFramePlacements
+  std::vector<Motion> v,
+      a;  // njoints, LOCAL velocity and spatial acceleration       forwardKinematics(q, v[, a])
+  Eigen::VectorXd q_in, v_in, a_in;  // nq, n, n: inputs of the last                   forwardKinematics
+
+  PaddedMatrix J;     // 6 x n, column k: motion of dof k in WORLD, angular first      computeJointJacobians
+  PaddedMatrix M;     // n x n, joint-space inertia, both sides                        crba
+  PaddedMatrix Minv;  // n x n, its inverse, both sides                                computeMinverse
+  PaddedMatrix Jcom;  // 3 x n                                                         jacobianCenterOfMass
+
+  Eigen::VectorXd tau;  // n, joint efforts                                            rnea
+  Eigen::VectorXd ddq;  // n, joint accelerations                                      aba
+  Eigen::VectorXd nle;  // n, Coriolis, centrifugal and gravity efforts                nonLinearEffects
+  Eigen::VectorXd g;  // n, gravity efforts                                          computeGeneralizedGravity
+
+  std::vector<Eigen::Vector3d>
+      com;  // [0]: centre of mass, world (m)                 centerOfMass, jacobianCenterOfMass
+  std::vector<Eigen::Vector3d> vcom;  // [0]: its velocity, world (m/s)                centerOfMass(q, v)
+  std::vector<double> mass;           // [0]: total, the universe's own left out (kg)   the same
+  Force hg, dhg;                      // centroidal momentum and its rate, world axes, about the CoM
+                                      // computeCentroidalMomentum[TimeVariation]
+  double kinetic_energy = 0,
+         potential_energy =
+             0;  // J                               computeKineticEnergy, computePotentialEnergy
+
+  int kinematics_order = -1;  // what q_in, v_in, a_in hold: -1 nothing, 0 q, 1 q and v, 2 all
+};
+
+struct Data : DataFields {
+  explicit Data(const Model& model);
+  ~Data();
+  Data(const Data& other);
+  Data(Data&& other) noexcept;
+  Data& operator=(const Data& other);
+  Data& operator=(Data&& other) noexcept;
+
+  std::vector<JointData> joints;  // njoints
+
+  // The kernels' own arrays; see algorithm/inner/workspace.h.
+  inner::Workspace& work() const { return *work_; }
+  bool movedFrom() const { return !work_; }
+
+ private:
+  void rebase();
+  std::unique_ptr<inner::Workspace> work_;
+};
+
+}  // namespace rbd
