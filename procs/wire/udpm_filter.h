@@ -1,0 +1,17 @@
+#pragma once
+#include <linux/filter.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace lab::udpm {
+
+/// A classic BPF program for an IPv4 UDP socket: lets pass fragments (their channel is in the first one only)
+/// and short messages whose channel is wanted; drops the rest, and everything from `own_address`:`own_port`
+/// (host byte order). Throws std::invalid_argument when the list is too long for one program (some 200
+/// names).
+std::vector<sock_filter> channel_filter(std::vector<std::string> channels, uint32_t own_address,
+                                        uint16_t own_port);
+
+}  // namespace lab::udpm
