@@ -1,0 +1,63 @@
+// Triangle meshes in metres: generated primitives and files (STL, Collada, OBJ) through assimp.
+// Triangles are counterclockwise seen from outside. Vertices are shared where the surface is smooth and
+// doubled along creases, so that one normal per vertex is enough.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lab::render {
+
+using Bounds = Eigen::AlignedBox3d;  // isEmpty() until something was added
+
+// A run of triangles drawn in one go.
+struct Surface {
+  uint32_t first = 0, count = 0;  // in Mesh::indices; multiples of 3
+  Eigen::Vector4f rgba{0.8f, 0.8f, 0.8f, 1.0f};
+  bool coloured = false;   // the file itself gave the colour; otherwise the Part's colour is used
+  bool two_sided = false;  // open or badly oriented: both sides are drawn, so that nothing shows a hole
+};
+
+struct Mesh {
+  std::vector<Eigen::Vector3f> positions, normals;  // one normal per position, unit length
+  std::vector<uint32_t> indices;                    // three per triangle
+  std::vector<Surface> surfaces;                    // cover all indices
+  Bounds bounds;
+
+  size_t triangles() const { return indices.size() / 3; }
+};
+
+using MeshPtr = std::shared_ptr<const Mesh>;
+
+// Primitives as in URDF: centred at the origin, axis along z. A capsule's length is that of its straight
+// part. Throw std::invalid_argument unless all sizes are finite and positive (a capsule's length may be 0)
+// and segments is 3..1024.
+MeshPtr make_box(const Eigen::Vector3d& size);
+MeshPtr make_cylinder(double radius, double length, int segments = 48);
+MeshPtr make_sphere(double radius, int segments = 48);
+MeshPtr make_capsule(double radius, double length, int segments = 48);
+
+// Triangles as they come from anywhere.
+struct Soup {
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<Eigen::Vector3f> normals;  // one per position, or none at all; (0, 0, 0) = unknown
+  std::vector<uint32_t> indices;         // three per triangle
+  std::vector<Eigen::Vector4f>
+      triangle_rgba;  // one per triangle, or none at all; x < 0 = no colour of its own
+};
+
+// A mesh to draw: triangles without area dropped, equal positions welded, holes found, inside-out pieces
+// turned. Given normals are kept if nearly all of them suit their triangles; otherwise normals are made, with
+// creases where the surface bends by more than `crease` radians. Throws std::invalid_argument for arrays of
+// unequal length, an index out of range, a non-finite coordinate, or nothing left to draw.
+MeshPtr make_mesh(const Soup& soup, double crease = 0.7);
+
+// Reads .stl, .dae or .obj (any assimp can). Node transforms and the Collada unit are applied, the Collada up
+// axis is NOT (ROS robots are drawn in the file's own axes). STL has no colour of its own. Throws
+// std::runtime_error "PATH: reason" for a missing, cut, foreign, empty, non-finite or absurdly large file.
+MeshPtr load_mesh(const std::string& path);
+
+}  // namespace lab::render

@@ -1,0 +1,180 @@
+#include "render/shaders.h"
+
+namespace lab::render::shaders {
+
+const char* const kBodyVertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+uniform mat4 u_clip_from_part;
+uniform mat4 u_world_from_part;
+uniform mat3 u_normal_from_part;
+out vec3 v_world;
+out vec3 v_normal;
+void main() {
+  v_world = (u_world_from_part * vec4(position, 1.0)).xyz;
+  v_normal = u_normal_from_part * normal;
+  gl_Position = u_clip_from_part * vec4(position, 1.0);
+}
+)";
+
+const char* const kBodyFragment = R"(
+uniform vec4 u_colour;  // linear rgb, alpha
+uniform vec3 u_eye, u_sun;
+uniform float u_sun_strength;
+in vec3 v_world;
+in vec3 v_normal;
+out vec4 colour;
+
+#ifdef SHADOW
+uniform mat4 u_shadow_from_world;
+uniform sampler2DShadow u_shadow_map;
+uniform float u_shadow_radius;  // of the blur, in texture units
+uniform float u_shadow_lift;    // the same in metres, and a texel: along the normal, or a surface would shade itself
+// Four comparisons on a cross that each of a pixel's 2x2 samples turns and widens differently: their average, taken
+// later, has seen sixteen places.
+float sun_seen(vec3 world) {
+  vec3 p = (u_shadow_from_world * vec4(world, 1.0)).xyz;
+  bool right = mod(gl_FragCoord.x, 2.0) > 1.0, upper = mod(gl_FragCoord.y, 2.0) > 1.0;
+  vec2 turn = right ? (upper ? vec2(0.383, 0.924) : vec2(0.924, 0.383)) : (upper ? vec2(0.707, 0.707) : vec2(1.0, 0.0));
+  vec2 a = u_shadow_radius * turn, b = vec2(-a.y, a.x);
+  float inner = right == upper ? 0.35 : 0.6;
+  float sum = texture(u_shadow_map, vec3(p.xy + a, p.z));
+  sum += texture(u_shadow_map, vec3(p.xy - a * inner, p.z));
+  sum += texture(u_shadow_map, vec3(p.xy + b * inner, p.z));
+  sum += texture(u_shadow_map, vec3(p.xy - b, p.z));
+  return 0.25 * sum;
+}
+#endif
+
+void main() {
+  vec3 n = normalize(v_normal);
+  if (!gl_FrontFacing) n = -n;
+  vec3 to_eye = normalize(u_eye - v_world);
+  float towards_sun = clamp(dot(n, u_sun), 0.0, 1.0);
+  float sun = towards_sun * u_sun_strength;
+#ifdef SHADOW
+  // A plane seen under an angle a from its normal clears a blur of radius r if lifted by r sin a.
+  sun *= sun_seen(v_world + u_shadow_lift * (0.1 + sqrt(1.0 - towards_sun * towards_sun)) * n);
+#endif
+  float facing = clamp(dot(n, to_eye), 0.0, 1.0);
+  float rim = (1.0 - facing) * (1.0 - facing);
+  float glint = clamp(dot(n, normalize(u_sun + to_eye)), 0.0, 1.0);
+  glint *= glint; glint *= glint; glint *= glint; glint *= glint; glint *= glint;  // to the 32nd
+  vec3 sky = mix(vec3(0.070, 0.066, 0.062), vec3(0.265, 0.285, 0.315), 0.5 + 0.5 * n.z);
+  // A weak second light from the eye keeps shaded sides readable.
+  vec3 light = sky + 0.09 * facing + sun * vec3(0.74, 0.725, 0.69);
+  vec3 lit = u_colour.rgb * light + 0.09 * sun * glint + 0.06 * rim * rim * sky;
+  colour = vec4(sqrt(min(lit, 1.0)), 1.0) * u_colour.a;
+}
+)";
+
+const char* const kDepthVertex = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 u_clip_from_part;
+void main() { gl_Position = u_clip_from_part * vec4(position, 1.0); }
+)";
+
+const char* const kDepthFragment = "void main() {}\n";
+
+const char* const kFloorVertex = R"(
+uniform mat4 u_clip_from_world;
+uniform vec4 u_rectangle;  // lower x, y, upper x, y
+uniform float u_height;
+out vec2 v_floor;
+void main() {
+  v_floor = mix(u_rectangle.xy, u_rectangle.zw, vec2(gl_VertexID & 1, gl_VertexID >> 1));
+  gl_Position = u_clip_from_world * vec4(v_floor, u_height, 1.0);
+}
+)";
+
+#define LAB_FADE_GLSL                                                                   \
+  "uniform vec3 u_disk;\n" /* centre x, y and radius of the floor */                    \
+  "float fade(vec2 place) {\n"                                                          \
+  "  float left = 1.0 - smoothstep(0.06, 1.0, length(place - u_disk.xy) / u_disk.z);\n" \
+  "  return left * left;\n"                                                             \
+  "}\n"
+
+const char* const kFloorFragment = LAB_FADE_GLSL R"(
+uniform float u_spacing;  // metres between main lines; fine ones stand five times as close
+in vec2 v_floor;
+out vec4 colour;
+
+// How much of this pixel lines at whole numbers cover, `width` pixels wide, fading where they crowd.
+vec2 lines(vec2 place, vec2 per_pixel, float width) {
+  vec2 off = abs(fract(place - 0.5) - 0.5) / per_pixel;
+  vec2 cover = clamp(0.5 * width + 0.5 - off, 0.0, 1.0);
+  return cover * (1.0 - smoothstep(0.05, 0.40, per_pixel));
+}
+
+void main() {
+  vec2 place = v_floor / u_spacing;
+  vec2 d = fwidth(place);
+  vec2 fine = lines(place * 5.0, d * 5.0, 1.0), coarse = lines(place, d, 1.2);
+  vec3 c = vec3(0.607, 0.622, 0.640);
+  c = mix(c, vec3(0.43, 0.445, 0.465), 0.55 * max(fine.x, fine.y));
+  c = mix(c, vec3(0.155, 0.165, 0.18), 0.80 * max(coarse.x, coarse.y));
+  // The world's axes: +x red, +y green.
+  vec2 off = abs(place) / d;
+  vec2 axis = clamp(vec2(1.3) - off.yx, 0.0, 1.0) * step(vec2(0.0), place);
+  c = mix(c, vec3(0.62, 0.045, 0.03), 0.9 * axis.x);
+  c = mix(c, vec3(0.035, 0.32, 0.05), 0.9 * axis.y);
+  colour = vec4(sqrt(c), fade(v_floor));
+}
+)";
+
+const char* const kFloorShadowFragment = LAB_FADE_GLSL R"(
+uniform mat4 u_shadow_from_world;
+uniform sampler2DShadow u_shadow_map;
+uniform float u_shadow_radius;
+uniform float u_height, u_sun_strength;
+in vec2 v_floor;
+out vec4 colour;
+void main() {
+  vec3 p = (u_shadow_from_world * vec4(v_floor, u_height, 1.0)).xyz;
+  float sum = 0.0;
+  for (int i = 0; i < 16; ++i) {  // a sunflower disk: even cover without a pattern
+    float r = u_shadow_radius * sqrt((float(i) + 0.5) / 16.0), turn = 2.399963 * float(i);
+    sum += texture(u_shadow_map, vec3(p.xy + r * vec2(cos(turn), sin(turn)), p.z));
+  }
+  vec3 dark = mix(vec3(0.23, 0.24, 0.26), vec3(1.0), mix(1.0, sum / 16.0, min(u_sun_strength, 1.0)));
+  colour = vec4(mix(vec3(1.0), sqrt(dark), fade(v_floor)), 1.0);  // multiplies what is there
+}
+)";
+
+const char* const kSkyVertex = R"(
+uniform mat4 u_world_from_clip;  // without translation
+out vec3 v_sight;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;  // one triangle over the whole picture
+  v_sight = (u_world_from_clip * vec4(corner, 1.0, 1.0)).xyz;
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+
+const char* const kSkyFragment = R"(
+in vec3 v_sight;
+out vec4 colour;
+void main() {
+  float up = normalize(v_sight).z;
+  vec3 horizon = vec3(0.648, 0.686, 0.752), zenith = vec3(0.36, 0.47, 0.66), below = vec3(0.607, 0.622, 0.640);
+  vec3 c = up > 0.0 ? mix(horizon, zenith, smoothstep(0.0, 0.9, up)) : mix(horizon, below, smoothstep(0.0, 0.6, -up));
+  colour = vec4(sqrt(c), 1.0);
+}
+)";
+
+const char* const kAverageVertex = R"(
+out vec2 v_place;
+void main() {
+  v_place = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
+  gl_Position = vec4(v_place * 2.0 - 1.0, 0.0, 1.0);
+}
+)";
+
+const char* const kAverageFragment = R"(
+uniform sampler2D u_samples;  // twice as wide and high: a bilinear look between four samples is their average
+in vec2 v_place;
+out vec4 colour;
+void main() { colour = texture(u_samples, v_place); }
+)";
+
+}  // namespace lab::render::shaders
