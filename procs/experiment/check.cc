@@ -1,0 +1,122 @@
+#include "procs/experiment/check.h"
+
+#include <rbd/rbd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "procs/controller/controller.h"
+#include "procs/experiment/evaluate.h"
+#include "procs/experiment/joints.h"
+#include "procs/planner/planner.h"
+#include "procs/simulator/simulator.h"
+
+namespace lab {
+namespace {
+
+constexpr int kSamples = 50;  // along the planned path
+
+struct Worst {
+  double ratio = 0, time = 0;
+};
+
+std::string warn(const Experiment& e, const std::string& key, const std::string& message) {
+  try {
+    fail(e, key, "warning: " + message);
+  } catch (const ExperimentError& text) {
+    return text.what();
+  }
+}
+
+std::string percent(double share) { return number(std::round(1000 * share) / 10) + " %"; }
+
+}  // namespace
+
+double stability_ratio(const Eigen::MatrixXd& Minv, const Eigen::VectorXd& kp, const Eigen::VectorXd& damping,
+                       double h) {
+  // G Minv G is symmetric and has the eigenvalues of Minv G^2. Plain loops: g++ 12 gives false alarms about
+  // Eigen's reductions with AVX-512.
+  const Eigen::Index n = kp.size();
+  std::vector<double> gain(n), x(n), y(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    gain[i] = std::sqrt(h * damping[i] + 0.5 * h * h * kp[i]), x[i] = 1 + 0.1 * static_cast<double>(i);
+  double largest = 0;
+  for (int round = 0; round < 200; ++round) {
+    double squares = 0;
+    for (Eigen::Index i = 0; i < n; ++i) squares += x[i] * x[i];
+    largest = round == 0 ? 0 : std::sqrt(squares);
+    if (squares == 0) break;
+    for (double& value : x) value /= std::sqrt(squares);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      y[i] = 0;
+      for (Eigen::Index j = 0; j < n; ++j) y[i] += gain[i] * Minv(i, j) * gain[j] * x[j];
+    }
+    x.swap(y);
+  }
+  return largest / 2;
+}
+
+std::vector<std::string> check(const Experiment& e, const Robot& robot) {
+  const rbd::Model& model = robot.model;
+  const simulator::Config plant = simulator::make_config(e, model);
+  const planner::Config plan = planner::make_config(e, model);
+  const controller::Config control = controller::make_config(e, model);
+  check_expect(e, model);
+
+  std::vector<std::string> warnings = robot.warnings;
+  for (int i = 0; i < model.nv; ++i)
+    if (model.effortLimit[i] == 0)
+      warnings.push_back(
+          warn(e, "robot.model",
+               "joint '" + joint_at(model, i) + "' has an effort limit of 0: nothing can drive it"));
+  if (const double off = std::abs(static_cast<double>(e.last_step()) * e.simulator.dt - e.simulator.duration);
+      off > 1e-9 * e.simulator.duration)
+    warnings.push_back(warn(e, "simulator.duration",
+                            "is not a whole number of steps; the run takes " +
+                                number(static_cast<double>(e.last_step()) * e.simulator.dt) + " s"));
+
+  // along the planned path: speeds, and how stable the loop and the explicit friction are
+  rbd::Data data(model);
+  planner::State state = planner::initial(plan);
+  Worst loop, friction;
+  Eigen::VectorXd speed = Eigen::VectorXd::Zero(model.nv);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.nv),
+                        drag = plant.damping + plant.friction / kSlipSpeed;  // slope at v = 0
+  const bool euler = plant.integrator == simulator::Integrator::SemiImplicitEuler;
+  const double h = e.simulator.dt * static_cast<double>(e.controller.every);
+  const auto note = [](Worst& worst, double ratio, double time) {
+    if (ratio > worst.ratio) worst = {ratio, time};
+  };
+  for (int i = 0; i <= kSamples; ++i) {
+    const int64_t step = e.last_step() * i / kSamples;
+    const Reference wanted = planner::step(plan, state, {.step = step}).reference;
+    const double time = static_cast<double>(step) * e.simulator.dt;
+    for (int j = 0; j < model.nv; ++j) speed[j] = std::max(speed[j], std::abs(wanted.v[j]));
+    const Eigen::MatrixXd Minv = rbd::computeMinverse(model, data, wanted.q);
+    if (control.kind->cancels_inertia)  // error dynamics of mass 1
+      note(loop, stability_ratio(Eigen::MatrixXd::Identity(model.nv, model.nv), control.kp, control.kd, h),
+           time);
+    else if (control.kind->name != std::string("none"))
+      note(loop, stability_ratio(Minv, control.kp, control.kd, h), time);
+    if (euler) note(friction, stability_ratio(Minv, none, drag, e.simulator.dt), time);
+  }
+  for (int i = 0; i < model.nv; ++i)
+    if (speed[i] > model.velocityLimit[i])
+      warnings.push_back(warn(e, "planner.kind",
+                              "joint '" + joint_at(model, i) + "' shall move at " + number(speed[i]) +
+                                  ", its limit is " + number(model.velocityLimit[i])));
+  const auto judge = [&](const Worst& worst, const std::string& key, const std::string& what,
+                         const std::string& cure) {
+    if (worst.ratio > 0.5)
+      warnings.push_back(warn(e, key,
+                              what + " at " + percent(worst.ratio) +
+                                  " of the limit of stability (t = " + number(worst.time) + " s)" +
+                                  (worst.ratio >= 1 ? ": it will not hold" : "") + "; " + cure));
+  };
+  judge(loop, "controller.kd", "the gains are", "lower them, shorten dt or give the joints armature");
+  judge(friction, "simulator.damping", "damping and friction are",
+        "lower them, shorten dt or take integrator rk4");
+  return warnings;
+}
+
+}  // namespace lab

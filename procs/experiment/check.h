@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "procs/experiment/robot.h"
+
+/// Everything that can be said about an experiment before it runs.
+namespace lab {
+
+/// Builds the config of every step and looks at `expect`: throws ExperimentError for what cannot run. Returns
+/// warnings for what can run but probably should not, each one line: unstable gains, speeds beyond limits, ..
+std::vector<std::string> check(const Experiment&, const Robot&);
+
+/// How close a sampled PD (or explicit damping) is to instability: 1 = the limit, beyond which it explodes.
+/// With M x'' = -Kp x - D x' stepped by semi-implicit Euler with time h, each mode needs h D/M + h^2 Kp/(2 M)
+/// < 2; this is the largest of them over 2: half the largest eigenvalue of M^-1 (h D + h^2 Kp / 2), by power
+/// iteration.
+double stability_ratio(const Eigen::MatrixXd& Minv, const Eigen::VectorXd& kp, const Eigen::VectorXd& damping,
+                       double h);
+
+}  // namespace lab

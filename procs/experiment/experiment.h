@@ -1,0 +1,139 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+/// One experiment: which robot, how it is simulated, what it shall do, who controls it, what to expect.
+/// Plain values in SI units; procs/experiment/experiment_yaml.h reads and writes them, docs/experiments.md
+/// lists every key. Nothing here knows YAML, so that the steps can take it.
+namespace lab {
+
+/// What is wrong with an experiment, one line per fault: "FILE:LINE: key: value seen, what to do".
+struct ExperimentError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A number per joint as people write it: one for all joints, a list in model order, or joint name: number
+/// (joints not named keep the default). Unset means that the default holds everywhere.
+/// procs/experiment/joints.h turns it into a vector once the model is known.
+struct JointValues {
+  using Named = std::map<std::string, double>;
+  std::variant<std::monostate, double, std::vector<double>, Named> value;
+
+  bool given() const { return value.index() != 0; }
+  bool operator==(const JointValues&) const = default;
+};
+
+/// A bound on one metric of a run.
+struct Bound {
+  std::optional<double> min, max;
+  bool operator==(const Bound&) const = default;
+};
+
+/// Dry friction is smoothed to friction * tanh(v / kSlipSpeed): rad/s, m/s.
+inline constexpr double kSlipSpeed = 0.01;
+
+struct Experiment {
+  std::string name;      ///< of the run; the file's name without .yaml unless given
+  int64_t seed = 0;      ///< of everything random
+  double ready = 10;     ///< s of wall time for all processes to become READY
+  double deadline = 10;  ///< s of wall time without progress that end the run
+
+  struct Robot {
+    std::string
+        model;  ///< builtin:manipulator, builtin:humanoid, a file, package://...; "urdf" = text comes apart
+    JointValues armature;                ///< kg m2 (kg): rotor inertia, known to every process
+    bool mimic = true;                   ///< false: mimic joints are free
+    bool floating_base = false;          ///< true: the root link floats
+    std::map<std::string, double> lock;  ///< joint: where it is welded, rad, m
+    bool operator==(const Robot&) const = default;
+  } robot;
+
+  struct Simulator {
+    double dt = 0.001;    ///< s
+    double duration = 1;  ///< s
+    std::string clock = "lockstep";
+    std::string integrator = "semi_implicit_euler";  ///< or rk4
+    JointValues q0;                                  ///< rad, m; neutral
+    JointValues v0;                                  ///< rad/s, m/s; 0
+    JointValues damping;                             ///< Nm s/rad, N s/m
+    JointValues friction;                            ///< Nm, N
+    std::array<double, 3> gravity{0, 0, -9.81};      ///< m/s2
+    bool allow_fall = false;
+    bool operator==(const Simulator&) const = default;
+  } simulator;
+
+  struct Planner {
+    std::string kind = "hold";
+    JointValues goal;       ///< rad, m
+    double duration = 0;    ///< s; the reader sets it to the simulator's unless given
+    JointValues offset;     ///< rad, m; q0
+    JointValues amplitude;  ///< rad, m
+    JointValues frequency;  ///< rad/s; 1 + 0.3 i
+    JointValues phase;      ///< rad
+    int64_t lead = 4;       ///< steps that references run ahead
+    bool operator==(const Planner&) const = default;
+  } planner;
+
+  struct Controller {
+    std::string kind = "pd";
+    JointValues kp, kd;  ///< pd: Nm/rad, Nm s/rad; computed_torque: 1/s2, 1/s
+    int64_t every = 1;   ///< steps between commands
+    struct OwnModel {
+      double mass_scale = 1;  ///< what the controller believes: every mass and inertia times this
+      bool operator==(const OwnModel&) const = default;
+    } model;
+    bool operator==(const Controller&) const = default;
+  } controller;
+
+  struct Logger {
+    int64_t every = 1;  ///< steps between logged steps
+    bool operator==(const Logger&) const = default;
+  } logger;
+
+  struct Renderer {
+    bool enabled = true;
+    double fps = 20;  ///< pictures per second of simulation time
+    std::array<int64_t, 2> size{640, 480};
+    std::string camera = "iso";
+    std::string quality = "live";
+    bool operator==(const Renderer&) const = default;
+  } renderer;
+
+  struct Faults {
+    double drop = 0;  ///< percent of incoming packets that every process loses on purpose
+    bool operator==(const Faults&) const = default;
+  } faults;
+
+  std::map<std::string, std::string> processes;  ///< name: command that takes the place of the usual one
+  std::map<std::string, Bound> expect;           ///< metric: bound
+
+  /// Where each given key stands ("FILE:LINE" or "--set"), for messages; `file` for the rest.
+  std::map<std::string, std::string> where;
+  std::string file;
+
+  /// Number of the last step.
+  int64_t last_step() const;
+  /// Equal in everything that counts; `where` and `file` are only about the text.
+  bool operator==(const Experiment& other) const;
+};
+
+/// Throws ExperimentError "WHERE: key: message".
+[[noreturn]] void fail(const Experiment&, const std::string& key, const std::string& message);
+
+/// A number as people write it: the fewest digits that give the same double back.
+std::string number(double value);
+
+/// "; did you mean 'x'?" for the candidate nearest to `word`, or "" if none is near.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
+
+/// "a, b, c"
+std::string list_of(const std::vector<std::string>& words);
+
+}  // namespace lab

@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "procs/experiment/experiment.h"
+
+/// Experiments as text: experiments/*.yaml, the experiment.yaml of a run's folder, and the text that RUN
+/// carries. What needs the robot (joint names, vector sizes, limits) is checked later, where the vectors are
+/// made.
+namespace lab {
+
+/// Reads an experiment from YAML. `overrides` are "a.b=value", applied over the text. Missing keys get
+/// defaults. Throws ExperimentError with one line per fault: "FILE:LINE: controller.kp: must be .., not
+/// 'abc'".
+Experiment parse_experiment(const std::string& text, const std::string& file,
+                            const std::vector<std::string>& overrides = {});
+
+/// The same from a file; a missing one is an ExperimentError too.
+Experiment load_experiment(const std::string& file, const std::vector<std::string>& overrides = {});
+
+/// Every key as run, defaults written out: the experiment.yaml of a run's folder. parse_experiment gives it
+/// back.
+std::string resolve(const Experiment&);
+
+/// The text for RUN: fixed order, %.17g, only keys that can change the log; a model file is written "urdf",
+/// since its text travels apart. parse_experiment gives back an experiment that runs the same.
+std::string canonical(const Experiment&);
+
+/// docs/experiments.md's table of keys.
+std::string key_table();
+
+}  // namespace lab

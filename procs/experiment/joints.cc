@@ -1,0 +1,95 @@
+#include "procs/experiment/joints.h"
+
+#include <cmath>
+
+namespace lab {
+namespace {
+
+/// Calls put(joint, value) for what is given; a list of out.size() numbers is taken as the whole vector.
+template <class Put>
+void spread(const Experiment& e, const std::string& key, const JointValues& values, const rbd::Model& model,
+            Eigen::VectorXd& out, Put put) {
+  std::vector<int> joints;  // those with one degree of freedom, in model order
+  std::vector<std::string> names;
+  for (int j = 1; j < model.njoints; ++j)
+    if (model.joints[j].nv() == 1) joints.push_back(j), names.push_back(model.names[j]);
+
+  if (const auto* one = std::get_if<double>(&values.value)) {
+    for (int j : joints) put(j, *one);
+  } else if (const auto* list = std::get_if<std::vector<double>>(&values.value)) {
+    if (list->size() == joints.size()) {
+      for (size_t i = 0; i < joints.size(); ++i) put(joints[i], (*list)[i]);
+    } else if (static_cast<Eigen::Index>(list->size()) == out.size()) {
+      for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = (*list)[i];
+    } else {
+      fail(e, key,
+           "has " + std::to_string(list->size()) + " numbers, but '" + model.name + "' has " +
+               std::to_string(joints.size()) + " joints (" + list_of(names) + ")");
+    }
+  } else if (const auto* named = std::get_if<JointValues::Named>(&values.value)) {
+    for (const auto& [name, value] : *named) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) {
+        const std::string near = did_you_mean(name, names);
+        fail(e, key + "." + name,
+             "'" + model.name + "' has no such joint" + (near.empty() ? "; it has " + list_of(names) : near));
+      }
+      put(model.getJointId(name), value);
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd joint_vector(const Experiment& e, const std::string& key, const JointValues& values,
+                             const rbd::Model& model, const Eigen::VectorXd& fallback) {
+  Eigen::VectorXd out = fallback;
+  spread(e, key, values, model, out, [&](int j, double value) { out[model.joints[j].idx_v()] = value; });
+  return out;
+}
+
+Eigen::VectorXd joint_vector(const Experiment& e, const std::string& key, const JointValues& values,
+                             const rbd::Model& model, double fallback) {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(model.nv);
+  for (int j = 1; j < model.njoints; ++j)
+    if (model.joints[j].nv() == 1) all[model.joints[j].idx_v()] = fallback;
+  return joint_vector(e, key, values, model, all);
+}
+
+Eigen::VectorXd configuration(const Experiment& e, const std::string& key, const JointValues& values,
+                              const rbd::Model& model, const Eigen::VectorXd& fallback) {
+  Eigen::VectorXd q = fallback;
+  spread(e, key, values, model, q, [&](int j, double value) { q[model.joints[j].idx_q()] = value; });
+  for (int j = 1; j < model.njoints; ++j) {
+    const int at = model.joints[j].idx_q();
+    if (model.joints[j].nq() == 7) {
+      const double length = std::sqrt(q[at + 3] * q[at + 3] + q[at + 4] * q[at + 4] + q[at + 5] * q[at + 5] +
+                                      q[at + 6] * q[at + 6]);
+      if (!(std::abs(length - 1) < 1e-6))
+        fail(e, key,
+             "the quaternion (x, y, z, w) of the base has length " + number(length) + "; it must be 1");
+      for (int i = 3; i < 7; ++i) q[at + i] /= length;
+    }
+    if (model.joints[j].nq() != 1) continue;
+    const double low = model.lowerPositionLimit[at], high = model.upperPositionLimit[at];
+    if (q[at] < low || q[at] > high)
+      fail(e, key,
+           "joint '" + model.names[j] + "' cannot be at " + number(q[at]) + "; its limits are " +
+               number(low) + " .. " + number(high));
+  }
+  return q;
+}
+
+const std::string& joint_at(const rbd::Model& model, int i) {
+  for (int j = 1; j < model.njoints; ++j)
+    if (model.joints[j].idx_v() <= i && i < model.joints[j].idx_v() + model.joints[j].nv())
+      return model.names[j];
+  return model.names[0];
+}
+
+bool floats(const rbd::Model& model) {
+  for (const rbd::JointModel& joint : model.joints)
+    if (joint.nv() > 1) return true;
+  return false;
+}
+
+}  // namespace lab

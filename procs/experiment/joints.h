@@ -1,0 +1,33 @@
+#pragma once
+#include <rbd/model/model.h>
+
+#include <Eigen/Core>
+#include <string>
+
+#include "procs/experiment/experiment.h"
+
+/// From "a number per joint" to vectors of a model. Only joints with one degree of freedom can be meant: one
+/// number is for all of them, a list has one number for each in model order, a map names them. A floating
+/// base gets the fallback, unless a list has as many numbers as the whole vector. Throws ExperimentError with
+/// the key's place.
+namespace lab {
+
+/// nv entries; `fallback` where nothing is given.
+Eigen::VectorXd joint_vector(const Experiment&, const std::string& key, const JointValues&, const rbd::Model&,
+                             double fallback);
+/// nv entries; fallback[i] where nothing is given.
+Eigen::VectorXd joint_vector(const Experiment&, const std::string& key, const JointValues&, const rbd::Model&,
+                             const Eigen::VectorXd& fallback);
+
+/// nq entries; `fallback` (nq) where nothing is given. Refuses what is outside the model's position limits,
+/// and a base quaternion that is not of length 1 (within 1e-6; it is normalised).
+Eigen::VectorXd configuration(const Experiment&, const std::string& key, const JointValues&,
+                              const rbd::Model&, const Eigen::VectorXd& fallback);
+
+/// Name of the joint that velocity entry i belongs to.
+const std::string& joint_at(const rbd::Model&, int i);
+
+/// True if some joint has more than one degree of freedom: the base floats.
+bool floats(const rbd::Model&);
+
+}  // namespace lab

@@ -1,0 +1,152 @@
+#pragma once
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "procs/experiment/experiment.h"
+
+/// The table of all keys: reader, writers, near names and docs/experiments.md come from it. A new key is a
+/// member of Experiment and one row here.
+namespace lab {
+
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+
+struct Key {
+  const char* name;  ///< as in the file, sections joined by dots
+  const char* unit;
+  const char* standard;  ///< the default, in words
+  const char* doc;
+  double least = -kInf, most = kInf;  ///< of every number
+  std::vector<std::string> words{};   ///< that a text may be; empty = any
+  bool canonical = true;              ///< part of RUN's text: can change what is logged
+};
+
+/// Calls f(key, member) for every key in the order of the file.
+template <class E, class F>
+void for_each_key(E& e, F&& f) {
+  using K = Key;
+  constexpr double kTiny = 1e-6, kLong = 1e7;
+  f(K{"name", "", "the file's name", "name of the run"}, e.name);
+  f(K{"seed", "", "0", "seed of everything random"}, e.seed);
+  f(K{"ready", "s", "10", "wall time for all processes to become READY", kTiny, kLong, {}, false}, e.ready);
+  f(K{"deadline", "s", "10", "wall time without progress that ends the run", kTiny, kLong, {}, false},
+    e.deadline);
+
+  f(K{"robot.model", "", "must be given",
+      "`builtin:manipulator`, `builtin:humanoid`, `package://NAME/..`, or a file, looked for beside the "
+      "experiment and in "
+      "the folders above it"},
+    e.robot.model);
+  f(K{"robot.armature", "kg m2, kg", "0", "rotor inertia per joint; the controller knows it too", 0},
+    e.robot.armature);
+  f(K{"robot.mimic", "", "true", "`false` frees the joints that mimic others"}, e.robot.mimic);
+  f(K{"robot.floating_base", "", "false", "`true` lets the root link float"}, e.robot.floating_base);
+  f(K{"robot.lock", "rad, m", "nothing", "joint: where it is welded; it then has no entry in any vector"},
+    e.robot.lock);
+
+  f(K{"simulator.dt", "s", "0.001", "time step", kTiny, 1}, e.simulator.dt);
+  f(K{"simulator.duration", "s", "1", "simulated time; the last step is the nearest to it", kTiny, kLong},
+    e.simulator.duration);
+  f(K{"simulator.clock",
+      "",
+      "lockstep",
+      "`lockstep`: as fast as it goes, same bytes every time",
+      -kInf,
+      kInf,
+      {"lockstep"}},
+    e.simulator.clock);
+  f(K{"simulator.integrator",
+      "",
+      "semi_implicit_euler",
+      "`semi_implicit_euler` (v first, then q with the new v) or `rk4` (effort held over the step)",
+      -kInf,
+      kInf,
+      {"semi_implicit_euler", "rk4"}},
+    e.simulator.integrator);
+  f(K{"simulator.q0", "rad, m", "neutral", "configuration at step 0"}, e.simulator.q0);
+  f(K{"simulator.v0", "rad/s, m/s", "0", "velocity at step 0"}, e.simulator.v0);
+  f(K{"simulator.damping", "Nm s/rad, N s/m", "0", "viscous friction of the joints", 0}, e.simulator.damping);
+  f(K{"simulator.friction", "Nm, N", "0", "dry friction of the joints, smoothed: friction * tanh(v / 0.01)",
+      0},
+    e.simulator.friction);
+  f(K{"simulator.gravity", "m/s2", "[0, 0, -9.81]", "in the world; the controller knows it too"},
+    e.simulator.gravity);
+  f(K{"simulator.allow_fall", "", "false", "`true` lets a floating robot fall: there is no ground yet"},
+    e.simulator.allow_fall);
+
+  f(K{"planner.kind", "", "hold", "`hold` (stay at q0), `cubic`, `quintic` or `sinusoid`"}, e.planner.kind);
+  f(K{"planner.goal", "rad, m", "needed by cubic, quintic", "where the motion ends, inside the joint limits"},
+    e.planner.goal);
+  f(K{"planner.duration", "s", "the simulator's", "time from q0 to the goal, which then holds", kTiny, kLong},
+    e.planner.duration);
+  f(K{"planner.offset", "rad, m", "simulator.q0",
+      "sinusoid: q = offset + amplitude sin(frequency t + phase)"},
+    e.planner.offset);
+  f(K{"planner.amplitude", "rad, m", "0", "sinusoid"}, e.planner.amplitude);
+  f(K{"planner.frequency", "rad/s", "1 + 0.3 i", "sinusoid; i = 0 for the first joint", 0},
+    e.planner.frequency);
+  f(K{"planner.phase", "rad", "0", "sinusoid"}, e.planner.phase);
+  f(K{"planner.lead", "steps", "4", "how far references run ahead", 0, 128}, e.planner.lead);
+
+  f(K{"controller.kind", "", "pd", "`none`, `pd`, `pd_gravity` or `computed_torque`"}, e.controller.kind);
+  f(K{"controller.kp", "pd: Nm/rad, N/m; computed_torque: 1/s2", "0", "gain on the error of q", 0},
+    e.controller.kp);
+  f(K{"controller.kd", "pd: Nm s/rad, N s/m; computed_torque: 1/s", "0", "gain on the error of v", 0},
+    e.controller.kd);
+  f(K{"controller.every", "steps", "1", "steps from one command to the next; it is held between", 1, 128},
+    e.controller.every);
+  f(K{"controller.model.mass_scale", "", "1", "model error: the controller believes in every mass times this",
+      kTiny, 1e6},
+    e.controller.model.mass_scale);
+
+  f(K{"logger.every", "steps", "1", "steps from one logged step to the next", 1, 1e9, {}, false},
+    e.logger.every);
+
+  f(K{"renderer.enabled", "", "true", "`false`: no pictures", -kInf, kInf, {}, false}, e.renderer.enabled);
+  f(K{"renderer.fps", "1/s", "20", "pictures per second of simulated time", 1e-3, 1e4, {}, false},
+    e.renderer.fps);
+  f(K{"renderer.size", "pixels", "[640, 480]", "width and height", 16, 4096, {}, false}, e.renderer.size);
+  f(K{"renderer.camera",
+      "",
+      "iso",
+      "`iso`, `front`, `side` or `top`",
+      -kInf,
+      kInf,
+      {"iso", "front", "side", "top"},
+      false},
+    e.renderer.camera);
+  f(K{"renderer.quality",
+      "",
+      "live",
+      "`draft` (plain), `live` (anti-aliased) or `fine` (and a soft shadow)",
+      -kInf,
+      kInf,
+      {"draft", "live", "fine"},
+      false},
+    e.renderer.quality);
+
+  f(K{"faults.drop",
+      "%",
+      "0",
+      "incoming packets that every process loses on purpose; the log stays the same",
+      0,
+      90,
+      {},
+      false},
+    e.faults.drop);
+
+  f(K{"processes",
+      "",
+      "the usual five",
+      "name: command line that takes the place of the usual one, or joins; `{run_dir}` stands for the run's "
+      "folder",
+      -kInf,
+      kInf,
+      {},
+      false},
+    e.processes);
+  f(K{"expect", "", "nothing", "metric: {max: x}, {min: x} or both; a run outside ends with exit code 1"},
+    e.expect);
+}
+
+}  // namespace lab

@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+
+#include "procs/experiment/evaluate.h"
+#include "procs/experiment/robot.h"
+
+/// A run read back from its log.lcm, which explains itself: RUN has the experiment and the robot.
+namespace lab {
+
+struct LoggedRun {
+  Experiment experiment;
+  Robot robot;
+  Run run;
+  int64_t id = 0;
+};
+
+/// Throws std::runtime_error with one line: no such file, no RUN, a message that the guard refuses, ..
+/// A log without END counts as aborted.
+LoggedRun read_run(const std::string& log);
+
+}  // namespace lab

@@ -1,0 +1,80 @@
+#include "procs/logger/log_files.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+
+#include "procs/wire/guard.h"
+#include "procs/wire/log_reader.h"
+#include "procs/wire/participant.h"
+
+namespace lab::logger {
+namespace {
+
+constexpr uint64_t kTelemetryFlush = 4096;  // bytes
+
+/// How much of a log of `run` is whole steps: everything before the first message of the last step in it, since only
+/// what follows a step proves it whole.
+struct Whole {
+  uint64_t bytes = 0;
+  int64_t events = 0;
+};
+std::optional<Whole> whole_steps(const std::string& path, int64_t run) {
+  LogReader reader(path);
+  Guard guard;
+  Whole whole;
+  int64_t events = 0, last_step = kBeforeStart;
+  for (LogEvent event; reader.next(event); ++events) {
+    const auto channel = channel_of(event.channel);
+    if (!reader.skipped().empty()) break;
+    if (!channel) return std::nullopt;
+    const Verdict verdict = guard.check(*channel, event.data);
+    if (!verdict || verdict.head.run != run) return std::nullopt;
+    if (verdict.head.step != last_step) last_step = verdict.head.step, whole = {event.offset, events};
+  }
+  if (last_step == kBeforeStart) return std::nullopt;
+  return whole;
+}
+
+}  // namespace
+
+LogFiles::LogFiles(const std::string& run_dir) : log_path_(run_dir + "/log.lcm") {
+  if (std::filesystem::exists(log_path_))
+    throw std::runtime_error(fmt::format("{} is there already; give another --run-dir", log_path_));
+  telemetry_ = std::make_unique<LogWriter>(run_dir + "/telemetry.lcm");
+}
+
+LogFiles::~LogFiles() {
+  try {
+    telemetry_->finish();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lab-logger: {}\n", error.what());
+  }
+}
+
+void LogFiles::open(int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit) {
+  const std::string part = part_name(log_path_);
+  const auto whole = std::filesystem::exists(part) ? whole_steps(part, run) : std::nullopt;
+  if (!whole) {
+    log_ = std::make_unique<LogWriter>(log_path_);
+    return;
+  }
+  LogReader reader(part);
+  LogEvent event;
+  for (int64_t i = 0; i < whole->events && reader.next(event); ++i) visit(*channel_of(event.channel), event.data);
+  log_ = std::make_unique<LogWriter>(log_path_, whole->bytes, whole->events);
+}
+
+void LogFiles::append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) { log_->add(utime, row(channel).name, bytes); }
+
+void LogFiles::flush() { log_->flush(); }
+
+void LogFiles::close() { log_->finish(); }
+
+void LogFiles::telemetry(Channel channel, std::span<const uint8_t> bytes) {
+  telemetry_->add(wall_now(), row(channel).name, bytes);
+  if (telemetry_->waiting() >= kTelemetryFlush) telemetry_->flush();
+}
+
+}  // namespace lab::logger

@@ -1,0 +1,35 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "procs/experiment/experiment_yaml.h"
+#include "procs/logger/log_files.h"
+#include "procs/logger/role.h"
+#include "procs/run/shell.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"The logger of a lab: writes log.lcm, whose bytes are what the simulator used, and telemetry.lcm."};
+  app.footer("example: lab-logger --run-dir runs/latest");
+  lab::ParticipantOptions options{.name = lab::kLogger, .url = "", .prefix = "", .channels = {}, .batch = 500};
+  std::string run_dir;
+  double deadline = 10, ready = 10;
+  app.add_option("--run-dir", run_dir, "folder that the logs go to")->required();
+  app.add_option("-l,--lcm-url,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
+  app.add_option("--deadline", deadline, "s without a word from anyone that end the process")->check(CLI::PositiveNumber);
+  app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
+  }
+  return lab::guarded_main("lab-logger", [&] {
+    lab::logger::LogFiles files(run_dir);
+    lab::Participant participant(options);
+    lab::RecorderConfig config;
+    if (const std::string file = run_dir + "/experiment.yaml"; std::filesystem::exists(file))
+      config.every = lab::load_experiment(file).logger.every;
+    config.deadline = std::llround(deadline * 1e6), config.ready_deadline = std::llround(ready * 1e6);
+    const auto role = lab::logger::make_role(config, files, participant.publish());
+    return participant.run(*role);
+  });
+}

@@ -1,0 +1,12 @@
+#include "procs/logger/role.h"
+
+#include "procs/run/run.h"
+
+namespace lab::logger {
+
+std::unique_ptr<Role> make_role(RecorderConfig config, LogSink& sink, Publish publish) {
+  const BeginRun begin = [](const run_t& message) { return setup_of(open_run(message)); };
+  return std::make_unique<Recorder>(std::move(config), begin, type_messages, sink, std::move(publish));
+}
+
+}  // namespace lab::logger

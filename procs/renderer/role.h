@@ -1,0 +1,62 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "procs/renderer/frames.h"
+#include "procs/renderer/painter.h"
+#include "procs/wire/log_reader.h"
+#include "procs/wire/role.h"
+
+namespace lab::renderer {
+
+/// The renderer's side of a run. It gives no credit and nobody waits for it: it keeps the states that will be
+/// pictures, from the bus as they come and from the log where some were missed, and draws one at each tick until it
+/// has drawn all. The pictures are a function of the logged states.
+class Watcher : public Role {
+ public:
+  /// `settings` holds the renderer's own keys, which RUN does not carry; the rest comes from RUN.
+  Watcher(Experiment settings, std::string run_dir, Publish publish);
+
+  void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
+  void tick(Micros now) override;
+  Micros wake() const override { return wake_; }
+  void stop(Micros now) override;
+
+  const Outcome& outcome() const override { return outcome_; }
+  std::string state() const override;
+  int64_t step() const override { return drawn_; }
+  int64_t run() const override { return run_; }
+  int64_t model_hash() const override { return robot_ ? robot_->hash : 0; }
+  int nq() const override { return robot_ ? static_cast<int>(robot_->model.nq) : 0; }
+  int nv() const override { return robot_ ? static_cast<int>(robot_->model.nv) : 0; }
+
+ private:
+  void on_run(std::span<const uint8_t> bytes);
+  void read_more_of_the_log();
+  void draw_next();
+  void finish();
+
+  Experiment settings_;
+  std::string run_dir_;
+  Publish publish_;
+  Outcome outcome_;
+
+  int64_t run_ = 0;
+  double dt_ = 0;
+  std::optional<Robot> robot_;
+  std::unique_ptr<Painter> painter_;
+  std::unique_ptr<FrameFolder> folder_;
+  std::vector<int64_t> wanted_;  ///< steps to draw, rising
+  size_t next_ = 0;              ///< index into wanted_
+  std::map<int64_t, Eigen::VectorXd> states_;
+  int64_t drawn_ = -1;
+  std::optional<int64_t> last_step_;  ///< from END
+  bool stopping_ = false;
+  std::unique_ptr<LogReader> log_;
+  Micros wake_ = 0, next_look_ = 0;
+  Silence silence_;
+};
+
+}  // namespace lab::renderer

@@ -1,0 +1,61 @@
+#pragma once
+#include <rbd/model/data.h>
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "procs/experiment/experiment.h"
+#include "procs/signals/signals.h"
+
+/// The robot as simulated: one step of time as a pure function of config, state and input.
+/// a = M^-1 (tau - damping v - friction tanh(v / 0.01) - nle), armature in M.
+namespace lab::simulator {
+
+enum class Integrator {
+  SemiImplicitEuler,  ///< v += a dt, then q moves by the new v dt
+  RungeKutta4,        ///< classic, effort held; a floating base by Munthe-Kaas (4th order too)
+};
+
+struct Config {
+  rbd::Model model;
+  double dt = 0;  ///< s
+  Integrator integrator = Integrator::SemiImplicitEuler;
+  Eigen::VectorXd q0, v0;             ///< nq; nv
+  Eigen::VectorXd damping, friction;  ///< nv: Nm s/rad, Nm; 0 for a floating base
+};
+
+/// Throws ExperimentError for values that do not fit the model, and for a floating robot that would only
+/// fall.
+Config make_config(const Experiment&, const rbd::Model&);
+
+struct State {
+  explicit State(const Config&);
+  RobotState robot;           ///< as last given out
+  Eigen::VectorXd effort;     ///< nv: the command in force, limited
+  std::vector<bool> clamped;  ///< nv: the command in force is limited here
+  rbd::Data data;             ///< scratch from here on
+  Eigen::VectorXd force, a, twist, q, v;
+  Eigen::VectorXd slope_q[4], slope_v[4];
+};
+
+/// At q0 and v0, step 0, tau 0. The state at step 0 is State::robot.
+State initial(const Config&);
+
+struct Input {
+  const Command* command = nullptr;  ///< null: none is due, the last is held
+  std::span<const Action> actions{};
+};
+
+struct Output {
+  RobotState state;           ///< of the next step; if `abort`, still the one before
+  std::vector<Event> events;  ///< of the next step
+  bool abort = false;         ///< the run cannot go on; the last event says why
+};
+
+/// From step k to k + 1. Effort beyond the limits is clamped (one event when it begins); a command of wrong
+/// size or not finite is refused with an event and the last held; a state that is no longer finite aborts.
+/// Never throws.
+Output step(const Config&, State&, const Input&);
+
+}  // namespace lab::simulator

@@ -1,0 +1,44 @@
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+
+#include "procs/experiment/experiment_yaml.h"
+#include "procs/logger/log_files.h"
+#include "procs/run/shell.h"
+#include "procs/solo/solo.h"
+
+namespace {
+volatile sig_atomic_t interrupted = 0;
+}
+
+int main(int argc, char** argv) {
+  CLI::App app{"Runs an experiment in one process, without a bus: log.lcm gets the same bytes as from separate processes."};
+  app.footer("example: lab-solo experiments/cubic_pd.yaml --run-dir /tmp/run");
+  std::string experiment_file, run_dir;
+  std::vector<std::string> overrides;
+  app.add_option("experiment", experiment_file, "YAML file")->required();
+  app.add_option("--run-dir", run_dir, "folder that log.lcm goes to")->required();
+  app.add_option("--set", overrides, "key=value over the file")->allow_extra_args(false);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
+  }
+  return lab::guarded_main("lab-solo", [&] {
+    struct sigaction action {};
+    action.sa_handler = [](int number) {
+      if (interrupted) _exit(128 + number);
+      interrupted = number;
+    };
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    const lab::Experiment experiment = lab::load_experiment(experiment_file, overrides);
+    const lab::Robot robot = lab::load_robot(experiment);
+    lab::logger::LogFiles files(run_dir);
+    const lab::Outcome outcome = lab::solo::run(experiment, robot, files, [](int64_t) { return !interrupted; });
+    if (!outcome.reason.empty()) fmt::print(stderr, "lab-solo: {}\n", outcome.reason);
+    return outcome.exit_code != lab::kOk ? outcome.exit_code : interrupted ? 128 + interrupted : lab::kOk;
+  });
+}

@@ -1,0 +1,44 @@
+#pragma once
+#include <deque>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "procs/wire/role.h"
+
+namespace lab::solo {
+
+/// The roles of a run in one thread: whatever one publishes, the others receive, in order, at once.
+class MemoryBus {
+ public:
+  /// What the role added next will publish through.
+  Publish publish() {
+    return [this, from = roles_.size()](Channel channel, std::span<const uint8_t> bytes) {
+      waiting_.push_back({from, channel, {bytes.begin(), bytes.end()}});
+    };
+  }
+  void add(Role& role) { roles_.push_back(&role); }
+
+  bool idle() const { return waiting_.empty(); }
+
+  /// Hands out what waits and what that brings about, at most `limit` messages, or until that role has ended.
+  void deliver(const Role& until, Micros now, int limit) {
+    for (; limit > 0 && !waiting_.empty() && !until.outcome().ended; --limit) {
+      const Message message = std::move(waiting_.front());
+      waiting_.pop_front();
+      for (size_t i = 0; i < roles_.size(); ++i)
+        if (i != message.from) roles_[i]->receive(message.channel, message.bytes, now);
+    }
+  }
+
+ private:
+  struct Message {
+    size_t from;
+    Channel channel;
+    Bytes bytes;
+  };
+  std::vector<Role*> roles_;
+  std::deque<Message> waiting_;
+};
+
+}  // namespace lab::solo
