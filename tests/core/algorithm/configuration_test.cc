@@ -1,0 +1,100 @@
+#include "rbd/algorithm/configuration.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/core/algorithm/random_tree.h"
+
+namespace rbd {
+namespace {
+
+using testing::kEps;
+
+TEST(Configuration, RoundTripsOnTrees) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const Model model = testing::randomTree(seed, 10, seed % 2 == 0);
+    const testing::State s = testing::randomState(model, seed), t = testing::randomState(model, seed + 100);
+    const auto back = [&](double size) {
+      return testing::distance(difference(model, s.q, integrate(model, s.q, size * s.v)), size * s.v);
+    };
+    for (const double size : {0.0, 1e-8, 1e-3, 1.0, 1.7}) EXPECT_LE(back(size), 1e-13) << size;
+    // as configurations: q and -q of a quaternion are the same, so compare poses by their difference
+    const Eigen::VectorXd there = integrate(model, s.q, difference(model, s.q, t.q));
+    EXPECT_LE(difference(model, there, t.q).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_LE(difference(model, s.q, s.q).cwiseAbs().maxCoeff(), 1e-15);
+  }
+}
+
+TEST(Configuration, InterpolateRunsFromOneToTheOther) {
+  const Model model = testing::randomTree(4, 8, true);
+  const testing::State s = testing::randomState(model, 4), t = testing::randomState(model, 5);
+  EXPECT_LE(difference(model, interpolate(model, s.q, t.q, 0), s.q).norm(), 1e-14);
+  EXPECT_LE(difference(model, interpolate(model, s.q, t.q, 1), t.q).norm(), 1e-12);
+  const Eigen::VectorXd half = interpolate(model, s.q, t.q, 0.5);
+  EXPECT_LE(testing::distance(difference(model, s.q, half), 0.5 * difference(model, s.q, t.q)), 1e-13);
+}
+
+// A body that flies a screw: integrate must follow SE3's exponential.
+TEST(Configuration, FreeFlyerFollowsTheExponential) {
+  Model model;
+  model.addJoint(0, JointModelFreeFlyer(), SE3(), "body");
+  Data data(model);
+  const testing::State s = testing::randomState(model, 6);
+  forwardKinematics(model, data, s.q);
+  const SE3 start = data.oMi[1];
+  forwardKinematics(model, data, integrate(model, s.q, s.v));
+  EXPECT_TRUE(data.oMi[1].isApprox(start * exp6(Motion(Vector6d(s.v))), 64 * kEps));
+}
+
+TEST(Configuration, NeutralAndNormalize) {
+  const Model model = testing::randomTree(8, 8, true);
+  Eigen::VectorXd q = neutral(model);
+  EXPECT_EQ(q[6], 1);
+  EXPECT_EQ(q.cwiseAbs().sum(), std::round(q.cwiseAbs().sum()));
+  q.segment<4>(3) = Eigen::Vector4d(1, 2, 3, 4);
+  normalize(model, q);
+  EXPECT_NEAR(q.segment<4>(3).norm(), 1, 4 * kEps);
+  EXPECT_NEAR(q[4] / q[3], 2, 8 * kEps);
+}
+
+// any length of quaternion is the same rotation
+TEST(Configuration, QuaternionsNeedNotBeUnit) {
+  Model model;
+  buildModels::humanoid(model);
+  Data data(model);
+  const testing::State s = testing::randomState(model, 9);
+  Eigen::VectorXd q = s.q;
+  q.segment<4>(3) *= 1.7;
+  const Eigen::VectorXd tau = rnea(model, data, s.q, s.v, s.a);
+  EXPECT_LE(testing::distance(rnea(model, data, q, s.v, s.a), tau), 1e-13);
+}
+
+TEST(Configuration, RandomStaysInTheLimitsAndRepeats) {
+  Model model;
+  const auto one = [](double x) { return Eigen::VectorXd::Constant(1, x); };
+  model.addJoint(0, JointModelRX(), SE3(), "a", one(1), one(1), one(0.2), one(0.3));
+  model.addJoint(1, JointModelContinuous(0, 0, 1), SE3(), "b");
+  model.addJoint(2, JointModelFreeFlyer(), SE3(), "c");
+  std::mt19937_64 engine(1);
+  double low = 1, high = 0, turn = 0;
+  for (int k = 0; k < 500; ++k) {
+    const Eigen::VectorXd q = randomConfiguration(model, engine);
+    low = std::min(low, q[0]);
+    high = std::max(high, q[0]);
+    turn = std::max(turn, std::abs(q[1]));
+    EXPECT_NEAR(q.segment<4>(5).norm(), 1, 8 * kEps);
+  }
+  EXPECT_GE(low, 0.2);
+  EXPECT_LT(low, 0.205);
+  EXPECT_LE(high, 0.3);
+  EXPECT_GT(high, 0.295);
+  EXPECT_LE(turn, PI<double>());
+  EXPECT_GT(turn, 3.0);
+  EXPECT_EQ(randomConfiguration(model, 7u), randomConfiguration(model, 7u));
+  EXPECT_NE(randomConfiguration(model, 7u), randomConfiguration(model, 8u));
+  EXPECT_NE(randomConfiguration(model), randomConfiguration(model));
+}
+
+}  // namespace
+}  // namespace rbd

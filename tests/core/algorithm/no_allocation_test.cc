@@ -1,0 +1,99 @@
+// No algorithm call with an output argument, or that answers in data, allocates. Counted in malloc itself,
+// because Eigen does not go through operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+
+#include "tests/core/algorithm/random_tree.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define LAB_NO_MALLOC_HOOK
+#endif
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<int> allocations{0};
+}  // namespace
+
+#ifndef LAB_NO_MALLOC_HOOK
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+void* malloc(std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_malloc(size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_memalign(alignment, size);
+}
+}
+#endif
+
+namespace rbd {
+namespace {
+
+TEST(NoAllocation, AfterConstruction) {
+#ifdef LAB_NO_MALLOC_HOOK
+  GTEST_SKIP() << "sanitizers own malloc";
+#endif
+  Model model;
+  buildModels::humanoid(model);
+  const testing::State s = testing::randomState(model, 1);
+  const Model scrambled = testing::randomTree(1, 12, true);
+  const testing::State t = testing::randomState(scrambled, 1);
+  Data data(model), other(scrambled);
+  ASSERT_FALSE(static_cast<bool>(counting));
+  Eigen::VectorXd x(model.nv), q(model.nq);
+  Eigen::MatrixXd M(model.nv, model.nv), J(6, model.nv), Jcom(3, model.nv);
+  Eigen::Vector3d com;
+  Force h;
+  Motion v;
+  std::mt19937_64 engine(1);
+
+  const auto count = [](const auto& call) {
+    allocations = 0;
+    counting = true;
+    call();
+    counting = false;
+    return static_cast<int>(allocations);
+  };
+  // the counter works
+  EXPECT_GE(count([&] {
+              Eigen::VectorXd y = s.q;
+              (void)y;
+            }),
+            1);
+
+  EXPECT_EQ(0, count([&] { forwardKinematics(model, data, s.q, s.v, s.a); }));
+  EXPECT_EQ(0, count([&] { updateFramePlacements(model, data); }));
+  EXPECT_EQ(0, count([&] { getFrameVelocity(model, data, 3, LOCAL, v); }));
+  EXPECT_EQ(0, count([&] { computeJointJacobians(model, data, s.q); }));
+  EXPECT_EQ(0, count([&] { getJointJacobian(model, data, 5, WORLD, J); }));
+  EXPECT_EQ(0, count([&] { getFrameJacobian(model, data, 5, LOCAL, J); }));
+  EXPECT_EQ(0, count([&] { computeFrameJacobian(model, data, s.q, 5, LOCAL, J); }));
+  EXPECT_EQ(0, count([&] { rnea(model, data, s.q, s.v, s.a); }));
+  EXPECT_EQ(0, count([&] { rnea(model, data, s.q, s.v, s.a, x); }));
+  EXPECT_EQ(0, count([&] { nonLinearEffects(model, data, s.q, s.v, x); }));
+  EXPECT_EQ(0, count([&] { computeGeneralizedGravity(model, data, s.q, x); }));
+  EXPECT_EQ(0, count([&] { crba(model, data, s.q, M); }));
+  EXPECT_EQ(0, count([&] { aba(model, data, s.q, s.v, s.tau, x); }));
+  EXPECT_EQ(0, count([&] { computeMinverse(model, data, s.q, M); }));
+  EXPECT_EQ(0, count([&] { computeMinverse(scrambled, other, t.q); }));
+  EXPECT_EQ(0, count([&] { centerOfMass(model, data, s.q, com); }));
+  EXPECT_EQ(0, count([&] { centerOfMass(model, data, s.q, s.v); }));
+  EXPECT_EQ(0, count([&] { jacobianCenterOfMass(model, data, s.q, Jcom); }));
+  EXPECT_EQ(0, count([&] { computeCentroidalMomentum(model, data, s.q, s.v, h); }));
+  EXPECT_EQ(0, count([&] { computeCentroidalMomentumTimeVariation(model, data, s.q, s.v, s.a, h); }));
+  EXPECT_EQ(0, count([&] { computeKineticEnergy(model, data, s.q, s.v); }));
+  EXPECT_EQ(0, count([&] { computePotentialEnergy(model, data, s.q); }));
+  EXPECT_EQ(0, count([&] { integrate(model, s.q, s.v, q); }));
+  EXPECT_EQ(0, count([&] { difference(model, s.q, q, x); }));
+  EXPECT_EQ(0, count([&] { interpolate(model, s.q, q, 0.3, q); }));
+  EXPECT_EQ(0, count([&] { neutral(model, q); }));
+  EXPECT_EQ(0, count([&] { randomConfiguration(model, engine, q); }));
+}
+
+}  // namespace
+}  // namespace rbd

@@ -1,0 +1,164 @@
+// Metrics against series made by hand, and energy against friction's work.
+#include "procs/experiment/evaluate.h"
+
+#include <gtest/gtest.h>
+#include <rbd/rbd.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/procs/experiment/loop.h"
+
+namespace lab {
+namespace {
+
+using nlohmann::json;
+
+/// Two joints that are never asked to do anything but have errors of our choice.
+Run by_hand(const std::vector<double>& first, const std::vector<double>& second) {
+  lab::Run run;
+  const rbd::Inertia ball = rbd::Inertia::FromSphere(1, 0.1);
+  run.model.addJoint(0, rbd::JointModelRZ(), rbd::SE3(), "one");
+  run.model.appendBodyToJoint(1, ball);
+  run.model.addJoint(1, rbd::JointModelRZ(), rbd::SE3(), "two");
+  run.model.appendBodyToJoint(2, ball);
+  run.dt = 0.1;
+  run.damping = run.friction = Eigen::VectorXd::Zero(2);
+  run.last_step = static_cast<int64_t>(first.size()) - 1;
+  for (size_t k = 0; k < first.size(); ++k) {
+    RobotState s;
+    s.step = static_cast<int64_t>(k);
+    s.q = s.v = s.tau = Eigen::VectorXd::Zero(2);
+    Reference r{.step = s.step, .q = Eigen::Vector2d(first[k], second[k]), .v = s.v, .a = s.v};
+    run.states.push_back(s);
+    run.references.push_back(r);
+  }
+  return run;
+}
+
+TEST(Evaluate, FiguresOfASeriesByHand) {
+  lab::Run run = by_hand({0.3, -0.4, 0, 0.005}, {0, 0.3, 0, -0.002});
+  run.states[2].tau = Eigen::Vector2d(3, -4);
+  run.model.effortLimit << 6, 5;
+  const json out = evaluate(run, {});
+  EXPECT_DOUBLE_EQ(out["max_error"], 0.4);
+  EXPECT_NEAR(out["mean_error"], (0.3 + 0.4 + 0.005 + 0.3 + 0.002) / 8, 1e-15);
+  EXPECT_NEAR(out["rms_error"], std::sqrt((0.09 + 0.16 + 25e-6 + 0.09 + 4e-6) / 8), 1e-15);
+  EXPECT_DOUBLE_EQ(out["final_error"], 0.005);
+  EXPECT_NEAR(out["handbook_error"], (0.3 + 0.5 + std::sqrt(29e-6)) / 2 / 4, 1e-15);
+  EXPECT_EQ(out["handbook_grade"], "needs_tuning");
+  EXPECT_DOUBLE_EQ(out["max_effort"], 4);
+  EXPECT_NEAR(out["rms_effort"], std::sqrt(25.0 / 6), 1e-15);  // three steps were driven, two joints
+  EXPECT_DOUBLE_EQ(out["max_effort_share"], 0.8);
+  EXPECT_NEAR(out["settling_time"], 0.2, 1e-15);
+  EXPECT_EQ(out["joints"][1]["name"], "two");
+  EXPECT_DOUBLE_EQ(out["joints"][1]["max_error"], 0.3);
+  EXPECT_TRUE(out["passed"]);
+}
+
+TEST(Evaluate, LeavingTheBandAgainIsNotSettled) {
+  // joint one is in, out, in for good from step 3; joint two goes out at the very end
+  json out = evaluate(by_hand({0.009, 0.001, 0.02, 0.01, 0, 0}, {0, 0, 0, 0, 0, 0.011}), {});
+  EXPECT_NEAR(out["joints"][0]["settling_time"], 0.3, 1e-15);
+  EXPECT_TRUE(out["joints"][1]["settling_time"].is_null());
+  EXPECT_TRUE(out["settling_time"].is_null());
+  out = evaluate(by_hand({0.02, 0, 0}, {0, 0, 0}), {});
+  EXPECT_NEAR(out["settling_time"], 0.1, 1e-15);
+}
+
+TEST(Evaluate, GradesAsTheHandbookDoes) {
+  const std::pair<double, const char*> grades[] = {
+      {0.0099, "excellent"}, {0.0101, "good"}, {0.049, "good"}, {0.051, "needs_tuning"}};
+  for (const auto& [figure, grade] : grades)  // norm((2 f, 0)) / 2 = f
+    EXPECT_EQ(evaluate(by_hand({2 * figure, 2 * figure}, {0, 0}), {})["handbook_grade"], grade);
+}
+
+TEST(Evaluate, Verdicts) {
+  const lab::Run run = by_hand({0.02, 0.02}, {0, 0});
+  const auto passed = [&](const char* metric, Bound bound) {
+    return evaluate(run, {{metric, bound}})["passed"].get<bool>();
+  };
+  EXPECT_TRUE(passed("max_error", {.min = {}, .max = 0.02}));
+  EXPECT_FALSE(passed("max_error", {.min = {}, .max = 0.019}));
+  EXPECT_FALSE(passed("max_error", {.min = 0.021, .max = {}}));
+  EXPECT_TRUE(passed("max_error.two", {.min = {}, .max = 0}));
+  EXPECT_FALSE(passed("max_error.one", {.min = {}, .max = 0}));
+  EXPECT_FALSE(passed("settling_time", {.min = {}, .max = 1e9}));  // it never settles
+  const json verdict = evaluate(run, {{"max_error", {.min = 0.001, .max = 0.1}}})["verdicts"][0];
+  EXPECT_EQ(verdict["metric"], "max_error");
+  EXPECT_EQ(verdict["value"], 0.02);
+  EXPECT_EQ(verdict["ok"], true);
+}
+
+TEST(Evaluate, AShortOrEmptyRunDoesNotPass) {
+  lab::Run run = by_hand({0, 0, 0}, {0, 0, 0});
+  EXPECT_TRUE(evaluate(run, {})["passed"]);
+  run.last_step = 3;
+  EXPECT_FALSE(evaluate(run, {})["passed"]);
+  run.last_step = 2;
+  run.aborted = true;
+  EXPECT_FALSE(evaluate(run, {})["passed"]);
+  run.states.clear(), run.references.clear();
+  const json out = evaluate(run, {{"max_error", {.min = {}, .max = 1}}});
+  EXPECT_FALSE(out["passed"]);
+  EXPECT_EQ(out["verdicts"][0]["ok"], false);
+}
+
+TEST(Evaluate, NoMetricIsEverNotANumber) {
+  lab::Run run = by_hand({1e200, 1e200}, {0, 0});  // finite, but not its square
+  EXPECT_EQ(evaluate(run, {})["max_error"], 1e200);
+  EXPECT_TRUE(evaluate(run, {})["rms_error"].is_null());
+  EXPECT_TRUE(evaluate(run, {})["handbook_error"].is_null());
+  EXPECT_FALSE(evaluate(run, {{"rms_error", {.min = 0, .max = {}}}})["passed"]);
+  run = by_hand({0, 0}, {0, 0});
+  run.states[1].step = 2;  // thinned: work between cannot be known
+  EXPECT_TRUE(evaluate(run, {})["energy_drift"].is_null());
+}
+
+TEST(Evaluate, EnergyBalancesWithWorkAndFriction) {
+  rbd::Model model;
+  rbd::buildModels::manipulator(model);
+  Experiment e;
+  e.simulator.dt = 1e-3;
+  e.simulator.duration = 2;
+  e.simulator.integrator = "rk4";
+  e.simulator.q0.value = std::vector<double>{0.1, 0.5, -0.5, 0.2, 0.3, 0.1};
+  e.simulator.damping.value = 0.8;
+  e.simulator.friction.value = 0.3;
+  e.controller.kind = "pd";
+  e.controller.kp.value = 20.0;
+  e.controller.kd.value = 1.0;
+  const json out = evaluate(test::run_loop(e, model).run, {});
+  const double first = out["energy_first"], last = out["energy_last"], work = out["work"];
+  EXPECT_GT(std::abs(last - first), 1);  // J
+  // The trapezoidal rule on friction's power, whose tanh turns within 0.01 rad/s, is the coarsest part
+  EXPECT_LT(out["energy_drift"].get<double>(), 1e-3) << out["energy_drift"];
+  EXPECT_NEAR(last - first, work, 1e-3);
+}
+
+TEST(Evaluate, ExpectationsMustExist) {
+  rbd::Model model;
+  rbd::buildModels::manipulator(model);
+  Experiment e;
+  e.file = "x.yaml";
+  const auto message = [&](const std::string& metric) {
+    e.expect = {{metric, {}}};
+    try {
+      check_expect(e, model);
+    } catch (const ExperimentError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(message("max_error.joint2_shoulder"), "accepted");
+  EXPECT_EQ(message("max_eror"),
+            "x.yaml: expect.max_eror: there is no metric 'max_eror'; did you mean 'max_error'?");
+  EXPECT_EQ(message("work.joint2_shoulder"),
+            "x.yaml: expect.work.joint2_shoulder: 'work' is not kept per joint");
+  EXPECT_EQ(message("max_error.joint2_sholder"),
+            "x.yaml: expect.max_error.joint2_sholder: 'manipulator' has no joint 'joint2_sholder'; did you "
+            "mean 'joint2_shoulder'?");
+}
+
+}  // namespace
+}  // namespace lab

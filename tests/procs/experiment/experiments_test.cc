@@ -1,0 +1,76 @@
+// Every experiment of experiments/, run without processes: it must be accepted and meet what it expects.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "procs/experiment/check.h"
+#include "procs/experiment/experiment_yaml.h"
+#include "tests/procs/experiment/loop.h"
+
+namespace lab {
+namespace {
+
+const std::string kFolder = LAB_SOURCE_DIR "/experiments/";
+
+nlohmann::json outcome(const std::string& name, const std::vector<std::string>& set = {}) {
+  const Experiment e = load_experiment(kFolder + name, set);
+  const Robot robot = load_robot(e);
+  for (const std::string& warning : check(e, robot)) std::cout << warning << "\n";
+  return evaluate(test::run_loop(e, robot.model).run, e.expect);
+}
+
+class Experiments : public testing::TestWithParam<std::string> {};
+
+TEST_P(Experiments, MeetsItsExpectations) {
+  const Experiment e = load_experiment(kFolder + GetParam());
+  if (e.robot.model.starts_with("package://")) {
+    try {
+      load_robot(e);
+    } catch (const ExperimentError& error) {
+      if (std::string(error.what()).find("scripts/lab robots") == std::string::npos) throw;
+      GTEST_SKIP() << error.what();
+    }
+  }
+  const nlohmann::json result = outcome(GetParam());
+  EXPECT_FALSE(e.expect.empty());
+  EXPECT_TRUE(result["passed"]) << result.dump(1);
+  if (std::getenv("LAB_VERBOSE")) std::cout << GetParam() << result.dump(1) << "\n";
+}
+
+std::vector<std::string> all_experiments() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder))
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Experiments, testing::ValuesIn(all_experiments()), [](const auto& info) {
+  std::string name = info.param.substr(0, info.param.find('.'));
+  return name;
+});
+
+// the handbook's claim: with the same gains, knowing the model is worth more than a factor of ten
+TEST(Experiments, ComputedTorqueTracksTenTimesBetterThanPd) {
+  for (const char* robot : {"sinusoid", "arm3_sinusoid"}) {
+    const auto ct = outcome(std::string(robot) + "_ct.yaml"), pd = outcome(std::string(robot) + "_pd.yaml");
+    EXPECT_LT(10 * ct["max_error"].get<double>(), pd["max_error"].get<double>()) << robot;
+    const auto e = load_experiment(kFolder + robot + "_ct.yaml"),
+               f = load_experiment(kFolder + robot + "_pd.yaml");
+    EXPECT_EQ(e.controller.kp, f.controller.kp);
+    EXPECT_EQ(e.controller.kd, f.controller.kd);
+  }
+}
+
+// why the handbook's arm has armature here
+TEST(Experiments, TheHandbooksArmExplodesWithoutArmature) {
+  const auto result = outcome("arm3_cubic_pd.yaml", {"robot.armature=0"});
+  EXPECT_GT(result["max_error"].get<double>(), 10) << result.dump(1);
+  EXPECT_FALSE(result["passed"]);
+}
+
+}  // namespace
+}  // namespace lab

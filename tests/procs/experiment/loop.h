@@ -1,0 +1,52 @@
+#pragma once
+#include "procs/controller/controller.h"
+#include "procs/experiment/evaluate.h"
+#include "procs/experiment/robot.h"
+#include "procs/planner/planner.h"
+#include "procs/simulator/simulator.h"
+
+/// The three steps in one loop, as lockstep orders them: for tests that want a run without processes.
+namespace lab::test {
+
+struct LoopResult {
+  Run run;
+  std::vector<Event> events;
+};
+
+inline LoopResult run_loop(const Experiment& e, const rbd::Model& model) {
+  const simulator::Config plant = simulator::make_config(e, model);
+  const planner::Config plan = planner::make_config(e, model);
+  const controller::Config control = controller::make_config(e, model);
+  simulator::State plant_state = simulator::initial(plant);
+  planner::State plan_state = planner::initial(plan);
+  controller::State control_state = controller::initial(control);
+
+  LoopResult out;
+  Run& run = out.run;
+  run.model = model;
+  run.dt = plant.dt;
+  run.damping = plant.damping;
+  run.friction = plant.friction;
+  run.last_step = e.last_step();
+  run.states.push_back(plant_state.robot);
+  for (int64_t k = 0;; ++k) {
+    run.references.push_back(planner::step(plan, plan_state, {.step = k}).reference);
+    if (k == run.last_step) return out;
+    Command command;
+    const bool due = k % e.controller.every == 0;
+    if (due)
+      command = controller::step(control, control_state,
+                                 {.state = run.states.back(), .reference = run.references.back()})
+                    .command;
+    simulator::Output next = simulator::step(plant, plant_state, {.command = due ? &command : nullptr});
+    out.events.insert(out.events.end(), next.events.begin(), next.events.end());
+    if (next.abort) {
+      run.aborted = true;
+      run.reason = next.events.back().who + ": " + next.events.back().why;
+      return out;
+    }
+    run.states.push_back(std::move(next.state));
+  }
+}
+
+}  // namespace lab::test

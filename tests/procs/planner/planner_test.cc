@@ -1,0 +1,149 @@
+// The planner's motions: boundary conditions, derivatives by finite differences, refusals.
+#include "procs/planner/planner.h"
+
+#include <gtest/gtest.h>
+#include <rbd/model/sample_models.h>
+
+#include <cmath>
+
+namespace lab::planner {
+namespace {
+
+rbd::Model arm() {
+  rbd::Model model;
+  rbd::buildModels::manipulator(model);
+  return model;
+}
+
+Experiment reach(const std::string& kind) {
+  Experiment e;
+  e.simulator.dt = 1e-5;
+  e.simulator.duration = e.planner.duration = 0.5;
+  e.planner.kind = kind;
+  e.simulator.q0.value = std::vector<double>{0.1, -0.2, 0.3, 0, 0.4, -0.1};
+  e.planner.goal.value = std::vector<double>{0.5, 0.3, -0.4, 0.2, 0.5, -0.3};
+  e.planner.amplitude.value = 0.4;
+  e.planner.phase.value = std::vector<double>{0, 0.5, 1, -1, 2, 3};
+  return e;
+}
+
+Reference at(const Config& config, int64_t k) {
+  State state = initial(config);
+  return step(config, state, {.step = k}).reference;
+}
+
+std::string refusal(const Experiment& e, const rbd::Model& model) {
+  try {
+    make_config(e, model);
+  } catch (const ExperimentError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Planner, PolynomialsStartAndEndAtRest) {
+  for (const char* kind : {"cubic", "quintic"}) {
+    const Config config = make_config(reach(kind), arm());
+    const Reference first = at(config, 0), last = at(config, 50000), later = at(config, 60000);
+    for (int i = 0; i < 6; ++i) {
+      EXPECT_EQ(first.q[i], config.q0[i]);
+      EXPECT_EQ(first.v[i], 0);
+      EXPECT_NEAR(last.q[i], config.goal[i], 1e-15);
+      EXPECT_NEAR(last.v[i], 0, 1e-14);
+      EXPECT_EQ(later.q[i], config.goal[i]);
+      EXPECT_EQ(later.v[i], 0);
+      EXPECT_EQ(later.a[i], 0);
+      // a cubic's acceleration jumps by 6 / T^2 of the way, a quintic's does not
+      const double jump = kind == std::string("cubic") ? 6 / 0.25 * (config.goal[i] - config.q0[i]) : 0;
+      EXPECT_NEAR(first.a[i], jump, 1e-12);
+      EXPECT_NEAR(last.a[i], -jump, 1e-12);
+    }
+  }
+}
+
+TEST(Planner, HalfWayIsHalfTheWay) {
+  for (const char* kind : {"cubic", "quintic"}) {
+    const Config config = make_config(reach(kind), arm());
+    const Reference middle = at(config, 25000);
+    for (int i = 0; i < 6; ++i) {
+      const double way = config.goal[i] - config.q0[i];
+      EXPECT_NEAR(middle.q[i], config.q0[i] + way / 2, 1e-15);
+      EXPECT_NEAR(middle.v[i], (kind == std::string("cubic") ? 1.5 : 1.875) * way / 0.5, 1e-13);
+      EXPECT_NEAR(middle.a[i], 0, 1e-12);
+    }
+  }
+}
+
+TEST(Planner, VelocityAndAccelerationAreDerivatives) {
+  for (const char* kind : {"hold", "cubic", "quintic", "sinusoid"}) {
+    const Config config = make_config(reach(kind), arm());
+    for (int64_t k = 100; k < 49900; k += 777) {
+      const Reference before = at(config, k - 1), now = at(config, k), after = at(config, k + 1);
+      for (int i = 0; i < 6; ++i) {
+        // central differences at h = 1e-5 are off by h^2 / 6 of the third derivative (quintic: 60 / T^3 of
+        // the way, 336 here) and, for a, of the fourth of q (360 / T^4 of the way, 4032 here), plus rounding
+        EXPECT_NEAR((after.q[i] - before.q[i]) / 2e-5, now.v[i], 1e-8) << kind << k;
+        EXPECT_NEAR((after.v[i] - before.v[i]) / 2e-5, now.a[i], 8e-8) << kind << k;
+      }
+    }
+  }
+}
+
+TEST(Planner, SinusoidsHaveOneAndMoreRadiansPerSecond) {
+  Experiment e = reach("sinusoid");
+  e.simulator.dt = 0.01;
+  const Config config = make_config(e, arm());
+  const Reference r = at(config, 123);
+  for (int i = 0; i < 6; ++i)
+    EXPECT_NEAR(r.q[i], config.q0[i] + 0.4 * std::sin((1 + 0.3 * i) * 1.23 + config.phase[i]), 1e-15);
+  EXPECT_EQ(r.step, 123);
+}
+
+TEST(Planner, RefusesWhatCannotBe) {
+  const rbd::Model model = arm();
+  Experiment e = reach("cubic");
+  e.file = "x.yaml";
+  e.planner.goal = {};
+  EXPECT_EQ(refusal(e, model), "x.yaml: planner.goal: is missing; a cubic needs one");
+  e.planner.goal.value = JointValues::Named{{"joint2_sholder", 1}};
+  e.where["planner.goal"] = "x.yaml:7";
+  EXPECT_EQ(refusal(e, model),
+            "x.yaml:7: planner.goal.joint2_sholder: 'manipulator' has no such joint; did you mean "
+            "'joint2_shoulder'?");
+  e.planner.goal.value = std::vector<double>{1, 2};
+  EXPECT_NE(refusal(e, model).find("has 2 numbers, but 'manipulator' has 6 joints"), std::string::npos);
+  e.planner.goal.value = 100.0;
+  EXPECT_NE(refusal(e, model).find("cannot be at 100; its limits are"), std::string::npos)
+      << refusal(e, model);
+  e.planner.kind = "cubik";
+  EXPECT_EQ(refusal(e, model),
+            "x.yaml: planner.kind: 'cubik' is not known; use one of hold, cubic, quintic, sinusoid");
+  e.planner.kind = "sinusoid";
+  e.planner.amplitude.value = 50.0;
+  EXPECT_NE(refusal(e, model).find("would swing over"), std::string::npos) << refusal(e, model);
+}
+
+TEST(Planner, AFloatingBaseCanOnlyHold) {
+  rbd::Model model;
+  rbd::buildModels::humanoid(model);
+  Experiment e;
+  e.planner.kind = "sinusoid";
+  EXPECT_NE(refusal(e, model).find("floats; only hold is possible"), std::string::npos);
+  e.planner.kind = "hold";
+  const Reference r = at(make_config(e, model), 5);
+  EXPECT_EQ(r.q.size(), model.nq);
+  EXPECT_EQ(r.q[6], 1);
+  EXPECT_EQ(r.v.size(), model.nv);
+}
+
+TEST(Planner, UnknownActionsAreSaid) {
+  const Config config = make_config(reach("hold"), arm());
+  State state = initial(config);
+  const std::vector<Action> actions{{"goal", "", "", "", {1}}, {"push", "", "", "", {}}};
+  const Output out = step(config, state, {.step = 0, .actions = actions});
+  ASSERT_EQ(out.events.size(), 1u);
+  EXPECT_EQ(out.events[0].why, "'goal': the planner has no such action");
+}
+
+}  // namespace
+}  // namespace lab::planner

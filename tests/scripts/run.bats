@@ -1,0 +1,199 @@
+#!/usr/bin/env bats
+# lab run around stand-in programs: run folders, exit codes, signals, and that nothing outlives it. The stand-ins read
+# what they shall do from the experiment file: its lines are the Procfile.
+load common
+
+setup() {
+  common_setup
+  mkdir -p "$LAB_BUILD/bin"
+  cat >"$LAB_BUILD/bin/lab-experiment" <<'IN'
+#!/usr/bin/env bash
+case $1 in
+  resolve) shift
+    while [ $# -gt 0 ]; do case $1 in -o) out=$2; shift 2 ;; --set) sets+=" $2"; shift 2 ;; *) in=$1; shift ;; esac; done
+    grep -q bad "$in" && { echo "$in:1: bad: this is wrong, do that" >&2; exit 3; }
+    cp "$in" "$out" && [ -z "${sets:-}" ] || echo "# set$sets" >>"$out" ;;
+  processes) cat "$2" ;;
+  evaluate) echo '{}' >"$2/metrics.json"; echo "tracking: ok"; ! grep -q unexpected "$2/experiment.yaml" ;;
+  manifest) dir=$2; shift 2; echo "$*" >"$dir/manifest.json" ;;
+esac
+IN
+  chmod +x "$LAB_BUILD/bin/lab-experiment"
+  experiment=$BATS_TEST_TMPDIR/trial.yaml
+}
+teardown() { common_teardown; }
+
+given() { printf '%s\n' "$@" >"$experiment"; }
+lab_run() { "$LAB" run "$experiment" "$@"; }
+lab_run_in_background() {
+  out=$BATS_TEST_TMPDIR/out
+  "$LAB" run "$experiment" "$@" >"$out" 2>&1 3>&- &
+  boss=$!
+}
+log_has() { grep -q "$2" "$LAB_RUNS/trial/processes/$1.log" 2>/dev/null; }
+
+@test "a good run: folder, verdict, manifest with exit codes, latest" {
+  given "simulator: true # $mark" "planner: true # $mark"
+  run lab_run --set a.b=c
+  [ "$status" -eq 0 ]
+  [[ $output == *"tracking: ok"* ]]
+  [ "$(readlink "$LAB_RUNS/latest")" = trial ]
+  grep -q '# set a.b=c' "$LAB_RUNS/latest/experiment.yaml"
+  manifest=$(cat "$LAB_RUNS/latest/manifest.json")
+  [[ $manifest == *"--exit simulator=0"* && $manifest == *"--exit planner=0"* && $manifest == *"--exit run=0"* ]]
+  run lab_run
+  [ "$(readlink "$LAB_RUNS/latest")" = trial-2 ]
+  [ -z "$(find "$LAB_RUNS" -name '.*' -not -path "$LAB_RUNS")" ]
+}
+
+@test "a missed expectation is 1" {
+  given "simulator: true # unexpected $mark"
+  run lab_run
+  [ "$status" -eq 1 ]
+}
+
+@test "a bad experiment is 3, one line, no folder" {
+  given "bad: true"
+  run lab_run
+  [ "$status" -eq 3 ]
+  [ "$output" = "$experiment:1: bad: this is wrong, do that" ]
+  [ -z "$(ls -A "$LAB_RUNS")" ]
+}
+
+@test "a process that dies is 5 and the manifest is written" {
+  given "simulator: $nap; : $mark" "controller: exit 1 # $mark"
+  run lab_run
+  [ "$status" -eq 5 ]
+  grep -q 'controller=1' "$LAB_RUNS/trial/manifest.json"
+  grep -q 'run=5' "$LAB_RUNS/trial/manifest.json"
+}
+
+@test "-o: a strange folder is refused, an old run is replaced, unwritable is one line" {
+  given "simulator: true # $mark"
+  mkdir "$BATS_TEST_TMPDIR/mine" && touch "$BATS_TEST_TMPDIR/mine/thesis.tex"
+  run lab_run -o "$BATS_TEST_TMPDIR/mine"
+  [ "$status" -eq 2 ]
+  [ "$(ls "$BATS_TEST_TMPDIR/mine")" = thesis.tex ]
+  run lab_run -o "$BATS_TEST_TMPDIR/there"
+  [ "$status" -eq 0 ]
+  touch "$BATS_TEST_TMPDIR/there/log.lcm"
+  run lab_run -o "$BATS_TEST_TMPDIR/there"
+  [ "$status" -eq 0 ]
+  [ ! -e "$BATS_TEST_TMPDIR/there/log.lcm" ]
+  run lab_run -o /proc/nothing
+  [ "$status" -eq 2 ]
+  [ "${#lines[@]}" -eq 1 ]
+  [ ! -e "$LAB_RUNS/latest" ]
+}
+
+@test "two runs in one folder: the second is refused" {
+  given "simulator: echo up; $nap; : $mark"
+  lab_run_in_background -o "$LAB_RUNS/trial"
+  eventually 10 log_has simulator up
+  run lab_run -o "$LAB_RUNS/trial"
+  [ "$status" -eq 2 ]
+  [[ $output == *"another run is alive"* ]]
+  kill -INT "$boss"
+  code_of "$boss"
+}
+
+@test "usage errors are 2" {
+  given "simulator: true"
+  for words in "--nonsense" "--timeout soon" "--set" "second.yaml"; do
+    # shellcheck disable=SC2086
+    run lab_run $words
+    [ "$status" -eq 2 ]
+  done
+  run "$LAB" run
+  [ "$status" -eq 2 ]
+}
+
+# the ways of isolation, each with a clean end by INT and a kill -9
+each_way() {
+  local way
+  for way in net user port; do
+    if [ "$way" = port ] || LAB_ISOLATION=$way "$ROOT/scripts/isolate" true 2>/dev/null; then echo "$way"; fi
+  done
+}
+
+@test "INT once is graceful: 130, the manifest says so, nobody is left" {
+  given "simulator: trap 'echo clean; exit 0' INT; echo up; while :; do read -rt 1 <> <(:); done; : $mark" \
+    "logger: trap 'echo flushed; exit 0' INT; echo up; while :; do read -rt 1 <> <(:); done; : $mark"
+  for way in $(each_way); do
+    rm -rf "$LAB_RUNS"
+    LAB_ISOLATION=$way lab_run_in_background
+    eventually 10 log_has simulator up
+    eventually 10 log_has logger up
+    kill -INT "$boss"
+    code_of "$boss"
+    [ "$status" -eq 130 ]
+    log_has logger flushed
+    grep -q 'run=130' "$LAB_RUNS/trial/manifest.json"
+    eventually 2 gone
+  done
+}
+
+@test "INT twice kills" {
+  given "simulator: trap '' INT TERM; echo up; while :; do read -rt 1 <> <(:); done; : $mark"
+  for way in $(each_way); do
+    rm -rf "$LAB_RUNS"
+    LAB_ISOLATION=$way lab_run_in_background
+    eventually 10 log_has simulator up
+    kill -INT "$boss"
+    eventually 5 grep -q 'send INT' "$LAB_RUNS/trial/processes/supervisor.log"
+    kill -INT "$boss"
+    code_of "$boss"
+    [ "$status" -eq 130 ]
+    eventually 2 gone
+  done
+}
+
+@test "kill -9 of run: every process goes, stubborn grandchildren too, and no namespace stays" {
+  given "simulator: trap '' INT TERM HUP; echo up; while :; do read -rt 1 <> <(:); done; : $mark" \
+    "planner: (trap '' INT TERM HUP; while :; do read -rt 1 <> <(:); done; : $mark) & $nap; : $mark"
+  for way in $(each_way); do
+    [ "$way" = port ] && continue # without namespaces, grandchildren can escape
+    rm -rf "$LAB_RUNS"
+    LAB_ISOLATION=$way lab_run_in_background
+    eventually 10 log_has simulator up
+    kill -KILL "$boss"
+    code_of "$boss"
+    eventually 2 gone
+  done
+  [ -z "$(pgrep -f "$LAB_RUNS")" ] # a namespace lives only in its processes
+}
+
+@test "kill -9 of run without namespaces: its processes go too" {
+  given "simulator: trap '' INT TERM HUP; echo up; while :; do read -rt 1 <> <(:); done; : $mark" "planner: $nap; : $mark"
+  LAB_ISOLATION=port lab_run_in_background
+  eventually 10 log_has simulator up
+  kill -KILL "$boss"
+  code_of "$boss"
+  eventually 2 gone
+}
+
+@test "root without CAP_SYS_ADMIN runs in a user namespace" {
+  [ "$(id -u)" -eq 0 ] || skip "needs root"
+  given "simulator: echo \$LAB_ISOLATED # $mark"
+  run setpriv --bounding-set -sys_admin "$LAB" run "$experiment"
+  [ "$status" -eq 0 ]
+  [[ $(cat "$LAB_RUNS/trial/processes/simulator.log") =~ ^(user|port)$ ]]
+}
+
+@test "two runs at once have two buses" {
+  given "simulator: echo \$LCM_DEFAULT_URL \$(readlink /proc/self/ns/net); read -rt 1 <> <(:); true # $mark"
+  for way in $(each_way); do
+    rm -rf "$LAB_RUNS"
+    LAB_ISOLATION=$way lab_run_in_background
+    LAB_ISOLATION=$way run lab_run
+    code_of "$boss"
+    [ "$(cat "$LAB_RUNS"/trial{,-2}/processes/simulator.log | sort -u | wc -l)" -eq 2 ]
+  done
+}
+
+@test "nested in isolate, the run shares its bus" {
+  given "simulator: readlink /proc/self/ns/net # $mark"
+  run "$ROOT/scripts/isolate" bash -c "readlink /proc/self/ns/net; '$LAB' run '$experiment' >/dev/null 2>&1"
+  [ "$status" -eq 0 ]
+  [ "$output" = "$(cat "$LAB_RUNS/trial/processes/simulator.log")" ]
+}

@@ -1,0 +1,121 @@
+#!/usr/bin/env bats
+# lab ls, clean and robots: what is a run, what may be removed, and nothing half done in the cache.
+load common
+
+setup() {
+  common_setup
+  # clean removes builds: give it a project of its own
+  mkdir -p "$BATS_TEST_TMPDIR/project/build/release" "$BATS_TEST_TMPDIR/project/build/asan" "$BATS_TEST_TMPDIR/project/build/mine"
+  cp -r "$ROOT/scripts" "$BATS_TEST_TMPDIR/project/"
+  touch "$BATS_TEST_TMPDIR/project/build/"{release,asan}/CMakeCache.txt
+  LAB=$BATS_TEST_TMPDIR/project/scripts/lab
+}
+teardown() { common_teardown; }
+
+make_run() { # NAME [EXIT_CODE]
+  mkdir -p "$LAB_RUNS/$1"
+  touch "$LAB_RUNS/$1/experiment.yaml"
+  [ $# -lt 2 ] || echo "{\"exit_codes\": {\"run\": $2}, \"experiment\": \"$1\", \"last_step\": 7}" >"$LAB_RUNS/$1/manifest.json"
+}
+make_runs() {
+  make_run good 0
+  make_run missed 1
+  make_run died 5
+  make_run stopped 130
+  make_run killed
+  mkdir "$LAB_RUNS/notes"
+  ln -s good "$LAB_RUNS/latest"
+}
+
+@test "ls: each run once, with its verdict" {
+  make_runs
+  run "$LAB" ls
+  [ "$status" -eq 0 ]
+  [ "${#lines[@]}" -eq 5 ]
+  grep -qE '^good +ok ' <<<"$output"
+  grep -qE '^missed +failed ' <<<"$output"
+  grep -qE '^died +exit 5 ' <<<"$output"
+  grep -qE '^stopped +stopped ' <<<"$output"
+  grep -qE '^killed +unfinished ' <<<"$output"
+}
+
+@test "ls --json is JSON, and a run that holds its lock is alive" {
+  make_runs
+  exec {lock}<"$LAB_RUNS/killed"
+  flock -n "$lock"
+  "$LAB" ls --json | python3 -c '
+import json, sys
+runs = {r["name"]: r for r in json.load(sys.stdin)}
+assert len(runs) == 5 and runs["killed"]["verdict"] == "alive" and runs["good"]["steps"] == 7, runs'
+  exec {lock}<&-
+}
+
+@test "ls of nothing is nothing; of no run is 2" {
+  run "$LAB" ls
+  [ "$status" -eq 0 ] && [ -z "$output" ]
+  run "$LAB" ls ghost
+  [ "$status" -eq 2 ]
+}
+
+@test "clean: asks, and without a yes removes nothing" {
+  make_runs
+  run "$LAB" clean good <<<n
+  [ "$status" -eq 1 ]
+  [ -d "$LAB_RUNS/good" ]
+  run "$LAB" clean good <<<y
+  [ "$status" -eq 0 ]
+  [ ! -e "$LAB_RUNS/good" ]
+  [ ! -L "$LAB_RUNS/latest" ]
+}
+
+@test "clean without names: unfinished runs and the builds beside release" {
+  make_runs
+  run "$LAB" clean --yes
+  [ "$status" -eq 0 ]
+  [ "$(ls "$LAB_RUNS" | xargs)" = "died good latest missed notes stopped" ]
+  [ "$(ls "$BATS_TEST_TMPDIR/project/build" | xargs)" = "mine release" ]
+}
+
+@test "clean --all: every run and build, never what is neither" {
+  make_runs
+  run "$LAB" clean --all --yes
+  [ "$status" -eq 0 ]
+  [ "$(ls "$LAB_RUNS")" = notes ]
+  [ "$(ls "$BATS_TEST_TMPDIR/project/build")" = mine ]
+}
+
+@test "clean refuses what is no run, and a run that is alive" {
+  make_runs
+  for victim in notes "$BATS_TEST_TMPDIR/project/scripts" /etc; do
+    run "$LAB" clean --yes "$victim"
+    [ "$status" -eq 2 ]
+    [ -d "$LAB_RUNS/notes" ]
+  done
+  exec {lock}<"$LAB_RUNS/killed"
+  flock -n "$lock"
+  run "$LAB" clean --yes killed
+  [ "$status" -eq 2 ]
+  run "$LAB" clean --yes
+  [ -d "$LAB_RUNS/killed" ]
+  exec {lock}<&-
+}
+
+@test "robots: a package with another hash is refused and leaves nothing" {
+  echo "not a robot" >"$BATS_TEST_TMPDIR/fake.whl"
+  LAB_ROBOTS_WHEEL=$BATS_TEST_TMPDIR/fake.whl run "$LAB" robots
+  [ "$status" -eq 1 ]
+  [[ $output == *"fake.whl is not the package that was pinned: sha256 is "* ]]
+  [ -z "$(ls -A "$XDG_CACHE_HOME/lcmlab/robots")" ]
+  run "$LAB" robots --path
+  [ "$status" -eq 1 ]
+}
+
+@test "robots: already there is silent, and the package path is set" {
+  there=$XDG_CACHE_HOME/lcmlab/robots/example-robot-data-6.0.0
+  mkdir -p "$there/example-robot-data"
+  run "$LAB" robots
+  [ "$status" -eq 0 ] && [ -z "$output" ]
+  [ "$("$LAB" robots --path)" = "$there" ]
+  run bash -c ". '$ROOT/scripts/lib.sh'; echo \$LAB_PACKAGE_PATH"
+  [[ $output == *"$there"* ]]
+}

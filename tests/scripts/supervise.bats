@@ -1,0 +1,158 @@
+#!/usr/bin/env bats
+# The supervisor, with stand-in processes: who ends, in what order, with which code, and that nobody is left.
+load common
+setup() { common_setup; }
+teardown() { common_teardown; }
+
+started() { [ "$(grep -c ' start ' "$group/supervisor.log" 2>/dev/null)" = "$1" ]; }
+order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs; }
+
+@test "all end by themselves: exit 0, codes on stdout, output in files" {
+  run supervise "simulator: echo tick; echo tock >&2 # $mark" "planner: true # $mark"
+  [ "$status" -eq 0 ]
+  [ "$(sort <<<"$output")" = $'planner 0\nsimulator 0' ]
+  [ "$(cat "$group/simulator.log")" = $'tick\ntock' ]
+}
+
+@test "a group without a simulator ends when all have ended" {
+  run supervise "one: read -rt 0.2 <> <(:); true # $mark" "two: true # $mark"
+  [ "$status" -eq 0 ]
+  [ "$(sort <<<"$output")" = $'one 0\ntwo 0' ]
+}
+
+@test "a required process that dies ends the group with 5, named, and takes the others along" {
+  run supervise "simulator: $nap; : $mark" "planner: $nap; : $mark" "controller: echo last words; exit 42 # $mark" \
+    "logger: $nap; : $mark"
+  [ "$status" -eq 5 ]
+  [[ $output == *"controller| last words"* ]]
+  [[ ${lines[-1]} == *"controller ended with exit code 42"* ]]
+  [ "$(order_of 'send INT to')" = "simulator planner logger" ]
+}
+
+@test "a process killed from outside is named with its signal" {
+  supervise_in_background "simulator: $nap; : $mark" "controller: echo \$\$ >$BATS_TEST_TMPDIR/pid; $nap; : $mark"
+  eventually 10 test -s "$BATS_TEST_TMPDIR/pid"
+  kill -KILL "$(cat "$BATS_TEST_TMPDIR/pid")"
+  code_of $boss
+  [ "$status" -eq 5 ]
+  grep -q "controller was killed by signal 9 (KILL)" "$out"
+}
+
+@test "exit codes 3, 4, 6 and 7 of a process are the group's" {
+  for c in 3 4 6 7; do
+    run supervise "simulator: $nap; : $mark" "planner: exit $c # $mark"
+    [ "$status" -eq "$c" ]
+  done
+}
+
+@test "who is not required may fail" {
+  run supervise "#lab: renderer required=no" "simulator: read -rt 0.3 <> <(:); true # $mark" "renderer: exit 9 # $mark"
+  [ "$status" -eq 0 ]
+  [[ $output == *"renderer ended with exit code 9"* ]]
+}
+
+@test "after the simulator the others finish in their own time, the logger last" {
+  run supervise "simulator: true # $mark" "planner: read -rt 0.2 <> <(:); true # $mark" \
+    "renderer: read -rt 0.4 <> <(:); true # $mark" "logger: trap 'echo told; exit 0' INT; $nap; : $mark"
+  [ "$status" -eq 0 ]
+  [ "$(order_of 'send INT to')" = logger ]
+  [ "$(order_of exit)" = "simulator planner renderer logger" ]
+  [ "$(cat "$group/logger.log")" = told ]
+}
+
+@test "who does not finish in time is stopped in order" {
+  run supervise "#lab: renderer finish=0" "#lab: planner finish=0" \
+    "logger: $nap; : $mark" "renderer: $nap; : $mark" "planner: $nap; : $mark" "simulator: true # $mark"
+  [ "$status" -eq 0 ]
+  [ "$(order_of 'send INT to')" = "planner renderer logger" ]
+}
+
+@test "INT once: the simulator ends the run, the others see that, the logger is told last, 130" {
+  supervise_in_background "simulator: trap 'echo ended cleanly; touch $group/end; exit 0' INT; echo up; while :; do read -rt 1 <> <(:); done; : $mark" \
+    "planner: until [ -e $group/end ]; do read -rt 0.05 <> <(:); done; : $mark" \
+    "logger: trap 'echo flushed; exit 0' INT; echo up; while :; do read -rt 1 <> <(:); done; : $mark"
+  eventually 10 test -s "$group/logger.log"
+  eventually 10 test -s "$group/simulator.log"
+  kill -INT $boss
+  code_of $boss
+  [ "$status" -eq 130 ]
+  grep -q 'ended cleanly' "$group/simulator.log"
+  grep -q flushed "$group/logger.log"
+  [ "$(order_of 'send [A-Z]* to')" = "simulator logger" ]
+  grep -q 'exit planner 0' "$group/supervisor.log"
+}
+
+@test "INT twice kills at once" {
+  supervise_in_background "simulator: trap '' INT TERM; while :; do read -rt 1 <> <(:); done; : $mark" \
+    "logger: trap '' INT TERM; while :; do read -rt 1 <> <(:); done; : $mark"
+  eventually 10 started 2
+  kill -INT $boss
+  eventually 5 grep -q 'send INT to simulator' "$group/supervisor.log"
+  before=$SECONDS
+  kill -INT $boss
+  code_of $boss
+  [ "$status" -eq 130 ]
+  [ $((SECONDS - before)) -le 2 ]
+  eventually 2 gone
+}
+
+@test "grandchildren that ignore TERM are gone" {
+  run supervise "simulator: $nap; : $mark" "planner: (trap '' INT TERM HUP; while :; do read -rt 1 <> <(:); done; : $mark) & wait" \
+    "controller: read -rt 0.3 <> <(:); exit 1 # $mark"
+  [ "$status" -eq 5 ]
+  eventually 2 gone
+}
+
+@test "a process that was frozen hears the stop" {
+  run supervise "simulator: $nap; : $mark" "planner: trap 'echo heard; exit 0' INT; kill -STOP \$\$; $nap; : $mark" \
+    "controller: read -rt 0.3 <> <(:); exit 1 # $mark"
+  [ "$status" -eq 5 ]
+  [ "$(cat "$group/planner.log")" = heard ]
+}
+
+@test "kill -9 of the supervisor: its processes go too" {
+  supervise_in_background "simulator: $nap; : $mark" "planner: $nap; : $mark"
+  eventually 10 started 2
+  kill -KILL $boss
+  code_of $boss
+  eventually 2 gone
+}
+
+@test "--timeout ends with 124" {
+  flags="--timeout 0.3" run supervise "simulator: $nap; : $mark"
+  [ "$status" -eq 124 ]
+  [[ $output == *"not done after 0.3 s"* ]]
+}
+
+@test "start order: the Procfile's, reversed, given" {
+  group_lines=("simulator: true # $mark" "planner: true # $mark" "logger: true # $mark")
+  run supervise "${group_lines[@]}"
+  [ "$(order_of start)" = "simulator planner logger" ]
+  flags="--order reversed" run supervise "${group_lines[@]}"
+  [ "$(order_of start)" = "logger planner simulator" ]
+  flags="--order planner" run supervise "${group_lines[@]}"
+  [ "$(order_of start)" = "planner simulator logger" ]
+}
+
+@test "all get one launch nonce, another one each time" {
+  supervise "simulator: echo \$LAB_LAUNCH # $mark" "planner: echo \$LAB_LAUNCH # $mark"
+  first=$(cat "$group/simulator.log")
+  [[ $first =~ ^[0-9]+$ ]]
+  [ "$first" = "$(cat "$group/planner.log")" ]
+  supervise "simulator: echo \$LAB_LAUNCH # $mark"
+  [ "$first" != "$(cat "$group/simulator.log")" ]
+}
+
+@test "processes react to INT although they are background jobs" {
+  run supervise "simulator: kill -INT \$\$; echo deaf; exit 0 # $mark"
+  [ "$status" -eq 5 ]
+  [ ! -s "$group/simulator.log" ]
+}
+
+@test "a Procfile that cannot be read is refused with 2" {
+  for line in "what is this" "#lab: ghost required=no" $'#lab: a restart=sometimes\na: true' $'a: true\na: true' "# only words"; do
+    run supervise "$line"
+    [ "$status" -eq 2 ]
+    [ "${#lines[@]}" -eq 1 ]
+  done
+}
