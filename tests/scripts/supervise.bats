@@ -67,6 +67,12 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   [ "$(order_of 'send INT to')" = "planner renderer logger" ]
 }
 
+@test "a planner that missed END is told by us, long before it gives up by itself, and that is no failure" {
+  run supervise "simulator: true # $mark" "planner: trap 'exit 0' INT; read -rt 5 <> <(:); exit 7 # $mark"
+  [ "$status" -eq 0 ]
+  [ "$(order_of 'send INT to')" = planner ]
+}
+
 @test "INT once: the simulator ends the run, the others see that, the logger is told last, 130" {
   supervise_in_background "simulator: trap 'echo ended cleanly; touch $group/end; exit 0' INT; echo up; while :; do read -rt 1 <> <(:); done; : $mark" \
     "planner: until [ -e $group/end ]; do read -rt 0.05 <> <(:); done; : $mark" \
@@ -111,11 +117,12 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
 }
 
 @test "kill -9 of the supervisor: its processes go too" {
-  supervise_in_background "simulator: $nap; : $mark" "planner: $nap; : $mark"
-  eventually 10 started 2
+  supervise_in_background "simulator: echo up; $nap; : $mark" "planner: echo up; $nap; : $mark"
+  eventually 10 test -s "$group/simulator.log" # who speaks is tied to its keeper already
+  eventually 10 test -s "$group/planner.log"
   kill -KILL $boss
   code_of $boss
-  eventually 2 gone
+  eventually 5 gone
 }
 
 @test "--timeout ends with 124" {
