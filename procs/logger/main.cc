@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
   CLI::App app{"The logger of a lab: writes log.lcm, whose bytes are what the simulator used, and telemetry.lcm."};
   app.footer("example: lab-logger --run-dir runs/latest");
-  lab::ParticipantOptions options{.name = lab::kLogger, .url = "", .prefix = "", .channels = {}, .batch = 500};
+  lab::ParticipantOptions options{.name = lab::kLogger, .url = "", .prefix = "", .channels = {}};
   std::string run_dir;
   double deadline = 10, ready = 10;
   app.add_option("--run-dir", run_dir, "folder that the logs go to")->required();

@@ -22,6 +22,7 @@ class Watcher : public Role {
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
   Micros wake() const override { return wake_; }
+  Micros batch() const override { return 500; }
   void stop(Micros now) override;
 
   const Outcome& outcome() const override { return outcome_; }

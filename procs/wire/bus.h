@@ -48,8 +48,6 @@ struct BusOptions {
   /// bus itself sent, so that the process is not woken for it. liblcm cannot tell: there a process hears
   /// itself.
   std::vector<std::string> channels;
-  int64_t batch_us =
-      0;  ///< after a wake-up, wait this long before draining: fewer wake-ups for a slow reader
   int recv_buf_size = 8 << 20;      ///< bytes asked of the kernel; the URL's recv_buf_size goes first
   uint32_t max_message = 64 << 20;  ///< larger messages are refused, also as a claim in a fragment's header
   FaultHook drop;                   ///< env LAB_FAULT_DROP=percent,seed when probability is 0
@@ -64,7 +62,9 @@ class Bus {
   /// Hands every message that waits to the handler, at most about a thousand; waits up to timeout_us for the
   /// first (0 = does not wait, negative = for ever). Returns how many. A signal ends the wait early with 0.
   /// The handler may publish and may throw; after a throw the rest of the messages comes with the next poll.
-  virtual int poll(int64_t timeout_us, const Handler& handler) = 0;
+  /// A reader in no hurry is woken less often: after its wake-up it sleeps batch_us more before it looks.
+  /// One in a hurry (0) looks for some 30 us without sleeping: in lockstep the answer is that near.
+  virtual int poll(int64_t timeout_us, const Handler& handler, int64_t batch_us = 0) = 0;
   virtual BusCounters counters() const = 0;
   /// One line for people: back end, address, receive buffer asked and granted.
   virtual std::string describe() const = 0;

@@ -53,13 +53,13 @@ class LiblcmBus : public Bus {
     }
   }
 
-  int poll(int64_t timeout_us, const Handler& handler) override {
+  int poll(int64_t timeout_us, const Handler& handler, int64_t batch_us) override {
     if (timeout_us != 0) {
       pollfd p{fd(), POLLIN, 0};
       const timespec limit{timeout_us / 1'000'000, timeout_us % 1'000'000 * 1000};
       if (ppoll(&p, 1, timeout_us < 0 ? nullptr : &limit, nullptr) <= 0) return 0;
-      if (options_.batch_us > 0) {
-        const timespec rest{options_.batch_us / 1'000'000, options_.batch_us % 1'000'000 * 1000};
+      if (batch_us > 0) {
+        const timespec rest{batch_us / 1'000'000, batch_us % 1'000'000 * 1000};
         nanosleep(&rest, nullptr);
       }
     }

@@ -44,7 +44,6 @@ std::vector<std::string> names_of(const std::vector<Channel>& channels, const st
 BusOptions bus_options(const ParticipantOptions& options) {
   BusOptions bus;
   bus.channels = names_of(options.channels, options.prefix);
-  bus.batch_us = options.batch;
   return bus;
 }
 
@@ -124,7 +123,7 @@ int Participant::run(Role& role) {
       bus_->poll(wait, [&](const Datagram& datagram) {
         if (!woken) woken = monotonic_now();
         receive(role, datagram);
-      });
+      }, role.batch());
       if (signals_seen && !stopping) stopping = true, role.stop(monotonic_now());
       const Micros now = monotonic_now();
       role.tick(now);

@@ -14,7 +14,6 @@ struct ParticipantOptions {
   std::string url;                 ///< empty: env LCM_DEFAULT_URL or LCM's default
   std::string prefix;              ///< of channel names
   std::vector<Channel> channels;   ///< to listen to; empty: all
-  Micros batch = 0;                ///< a listener in no hurry waits this long after a wake-up, to be woken less often
 };
 
 /// The shell around a role: the only place where a process of the lab meets socket, clock and signals.

@@ -43,6 +43,7 @@ class Recorder : public Role {
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
   Micros wake() const override;
+  Micros batch() const override { return 500; }  ///< far less than the window of credit lasts
   /// Closes with the whole steps there are, if END did not come first.
   void stop(Micros now) override;
 

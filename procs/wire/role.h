@@ -57,6 +57,8 @@ class Role {
   /// Does what time asks for. Call it after the waiting messages were received, at wake() and every kRepeat at least.
   virtual void tick(Micros now) = 0;
   virtual Micros wake() const = 0;
+  /// How late it may look at what has arrived: a role in no hurry is woken once for many messages.
+  virtual Micros batch() const { return 0; }
   /// Ends gracefully at the next chance.
   virtual void stop(Micros now) = 0;
 

@@ -25,6 +25,7 @@ namespace {
 using namespace udpm;
 
 constexpr int kBatch = 16;          // packets a system call
+constexpr int64_t kSpin = 30;         // us to look for the next packet before the sleep
 constexpr int kMostPerPoll = 1024;  // messages, so that a flood cannot hold the caller for ever
 constexpr size_t kMostSenders = 4096;
 constexpr int32_t kRestarted = 1000;  // a sequence number so far back means a new process on an old port
@@ -62,7 +63,7 @@ class UdpmBus : public Bus {
   }
 
   void publish(std::string_view channel, std::span<const uint8_t> data) override;
-  int poll(int64_t timeout_us, const Handler& handler) override;
+  int poll(int64_t timeout_us, const Handler& handler, int64_t batch_us) override;
   BusCounters counters() const override;
   std::string describe() const override;
   int fd() const override { return receive_.fd; }
@@ -84,7 +85,7 @@ class UdpmBus : public Bus {
   void open_send();
   void open_receive();
   bool send(iovec* parts, size_t n);
-  bool wait(int64_t timeout_us);
+  bool wait(int64_t timeout_us, int64_t batch_us);
   int drain(const Handler& handler);
   int take(size_t i, const Handler& handler);
   void note_sequence(Sender& sender, uint32_t sequence);
@@ -243,25 +244,30 @@ void UdpmBus::publish(std::string_view channel, std::span<const uint8_t> data) {
 }
 
 // True when something is there to receive.
-bool UdpmBus::wait(int64_t timeout_us) {
+bool UdpmBus::wait(int64_t timeout_us, int64_t batch_us) {
   pollfd p{receive_.fd, POLLIN, 0};
   const timespec limit = to_timespec(timeout_us);
   if (ppoll(&p, 1, timeout_us < 0 ? nullptr : &limit, nullptr) <= 0) return false;
-  if (options_.batch_us > 0) {
-    const timespec rest = to_timespec(options_.batch_us);
+  if (batch_us > 0) {
+    const timespec rest = to_timespec(batch_us);
     nanosleep(&rest, nullptr);
   }
   return true;
 }
 
-int UdpmBus::poll(int64_t timeout_us, const Handler& handler) {
-  // In a ping-pong nothing waits yet, so a look before the wait would be a system call for nothing.
-  if (timeout_us == 0 || !drained_ || next_ < filled_) {
-    if (const int n = drain(handler); n > 0 || timeout_us == 0) return n;
+int UdpmBus::poll(int64_t timeout_us, const Handler& handler, int64_t batch_us) {
+  // An answer that comes within microseconds is taken without a sleep: a sleep and a wake-up cost more than the answer.
+  if (timeout_us == 0 || batch_us == 0 || !drained_ || next_ < filled_) {
+    const int64_t spin = batch_us > 0 ? 0 : timeout_us < 0 ? kSpin : std::min(kSpin, timeout_us);
+    const int64_t begin = now_us();
+    do {
+      if (const int n = drain(handler); n > 0) return n;
+    } while (now_us() - begin < spin);
+    if (timeout_us == 0) return 0;
   }
   const int64_t deadline = timeout_us < 0 ? 0 : now_us() + timeout_us;
   for (int64_t left = timeout_us;;) {
-    if (!wait(left)) return 0;
+    if (!wait(left, batch_us)) return 0;
     if (const int n = drain(handler); n > 0) return n;
     if (timeout_us < 0) continue;
     left = deadline - now_us();  // packets came, but no message for us

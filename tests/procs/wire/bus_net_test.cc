@@ -326,13 +326,10 @@ TEST(OwnEndpoint, StrayPacketsAreCountedNotTrusted) {
 
 TEST(OwnEndpoint, BatchingWakesOnceForMany) {
   const int port = next_port();
-  BusOptions options;
-  options.batch_us = 20'000;
-  const auto to = open_bus(url(port), options);
-  const auto from = open_bus(url(port));
+  const auto to = open_bus(url(port)), from = open_bus(url(port));
   for (int i = 0; i < 300; ++i) from->publish("X", noise(20, 1));
   const auto start = Clock::now();
-  EXPECT_EQ(to->poll(1'000'000, [](const Datagram&) {}), 300);
+  EXPECT_EQ(to->poll(1'000'000, [](const Datagram&) {}, 20'000), 300);
   EXPECT_GE(Clock::now() - start, std::chrono::milliseconds(19));
 }
 
