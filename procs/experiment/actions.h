@@ -1,7 +1,10 @@
 #pragma once
+#include <rbd/model/model.h>
+
 #include <string>
 #include <string_view>
 
+#include "procs/experiment/experiment.h"
 #include "procs/signals/signals.h"
 
 /// Which process an accepted INPUT is for. All of them see every INPUT, so that each can be recomputed from
@@ -21,5 +24,8 @@ inline Event ignored(const Action& action, const std::string& process, const std
   const std::string what = action.verb + (action.key.empty() ? "" : " " + action.key);
   return {"action_ignored", process, "'" + what + "': " + why};
 }
+
+/// Why this cannot be asked of this robot in this experiment, so that it is refused at the door; empty if it can.
+std::string why_not(const Experiment&, const rbd::Model&, const Action&);
 
 }  // namespace lab

@@ -111,6 +111,13 @@ struct Experiment {
     bool operator==(const Faults&) const = default;
   } faults;
 
+  struct Safety {
+    double timeout = 0.02;          ///< s: an older command is stale (real time)
+    std::string hold = "gravity";   ///< or damping: what the robot does while nobody may drive it
+    std::string rearm = "auto";     ///< or manual
+    bool operator==(const Safety&) const = default;
+  } safety;
+
   std::map<std::string, std::string> processes;  ///< name: command that takes the place of the usual one
   std::map<std::string, Bound> expect;           ///< metric: bound
 

@@ -79,12 +79,8 @@ void read(const YAML::Node& node, const Key& key, std::string& value) {
   for (unsigned char c : text)
     if (c < ' ') throw Fault{"must be one line of text without control characters"};
   const std::vector<std::string>& words = key.words;
-  if (!words.empty() && std::find(words.begin(), words.end(), text) == words.end()) {
-    const bool later = text == "realtime" && words.front() == "lockstep";
-    throw Fault{
-        "'" + text +
-        (later ? "' is not built yet; use lockstep" : "' is not known; use one of " + list_of(words))};
-  }
+  if (!words.empty() && std::find(words.begin(), words.end(), text) == words.end())
+    throw Fault{"'" + text + "' is not known; use one of " + list_of(words)};
   value = text;
 }
 

@@ -50,10 +50,10 @@ void for_each_key(E& e, F&& f) {
   f(K{"simulator.clock",
       "",
       "lockstep",
-      "`lockstep`: as fast as it goes, same bytes every time",
+      "`lockstep`: as fast as it goes, same bytes every time; `realtime`: by the wall clock, with a watchdog",
       -kInf,
       kInf,
-      {"lockstep"}},
+      {"lockstep", "realtime"}},
     e.simulator.clock);
   f(K{"simulator.integrator",
       "",
@@ -124,6 +124,25 @@ void for_each_key(E& e, F&& f) {
       {"draft", "live", "fine"},
       false},
     e.renderer.quality);
+
+  f(K{"safety.timeout", "s", "0.02", "real time: a command made from an older state is stale, and the robot is held", kTiny, 10},
+    e.safety.timeout);
+  f(K{"safety.hold",
+      "",
+      "gravity",
+      "how the robot is held: braked and its weight borne (`gravity`), or only braked (`damping`)",
+      -kInf,
+      kInf,
+      {"gravity", "damping"}},
+    e.safety.hold);
+  f(K{"safety.rearm",
+      "",
+      "auto",
+      "`auto`: 20 fresh commands in a row end holding; `manual`: a person's `rearm` has to come first",
+      -kInf,
+      kInf,
+      {"auto", "manual"}},
+    e.safety.rearm);
 
   f(K{"faults.drop",
       "%",

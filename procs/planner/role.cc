@@ -17,8 +17,8 @@ std::unique_ptr<Role> make_role(FollowerConfig follower, Publish publish) {
     part->state = initial(part->config);
     return setup_of(run);
   };
-  const PlanStep plan = [part](int64_t step_number, std::span<const Action> actions, std::vector<Event>& events) {
-    Output output = step(part->config, part->state, {step_number, actions});
+  const PlanStep plan = [part](int64_t step_number, const PlanInput& input, std::vector<Event>& events) {
+    Output output = step(part->config, part->state, {step_number, input.actions, input.state, input.held});
     events = std::move(output.events);
     return std::move(output.reference);
   };

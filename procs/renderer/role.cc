@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <lab/end_t.hpp>
@@ -38,11 +39,16 @@ void Watcher::receive(Channel channel, std::span<const uint8_t> bytes, Micros) t
   if (run_ == 0 || peek_run(bytes) != run_) return;
   if (channel == Channel::RobotState) {
     const int64_t step = peek_step(bytes);
+    if (realtime_) {
+      const auto gap = static_cast<int64_t>(std::ceil(1 / (settings_.renderer.fps * dt_)));
+      if (drawn_ < 0 || step / gap > drawn_ / gap) states_.clear(), states_[step] = to_signal(decode<robot_state_t>(bytes)).q;
+      return;
+    }
     if (step > drawn_ && std::binary_search(wanted_.begin(), wanted_.end(), step) && !states_.contains(step))
       states_[step] = to_signal(decode<robot_state_t>(bytes)).q;
   } else if (channel == Channel::End && !last_step_) {
     last_step_ = decode<end_t>(bytes).step;
-    wanted_ = steps_at_rate(settings_.renderer.fps, dt_, std::max<int64_t>(*last_step_, 0));
+    if (!realtime_) wanted_ = steps_at_rate(settings_.renderer.fps, dt_, std::max<int64_t>(*last_step_, 0));
   }
 } catch (const std::exception& error) {
   outcome_ = {true, kBadConfig, error.what()};
@@ -54,7 +60,8 @@ void Watcher::on_run(std::span<const uint8_t> bytes) {
   robot_ = message.urdf.empty() ? load_robot(experiment) : load_robot(experiment, message.urdf, find_model(settings_));
   experiment.renderer = settings_.renderer;
   dt_ = experiment.simulator.dt;
-  wanted_ = steps_at_rate(experiment.renderer.fps, dt_, experiment.last_step());
+  realtime_ = experiment.simulator.clock == "realtime";
+  wanted_ = realtime_ ? std::vector<int64_t>{} : steps_at_rate(experiment.renderer.fps, dt_, experiment.last_step());
   painter_ = std::make_unique<Painter>(*robot_, experiment);
   for (const auto& warning : painter_->warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
   folder_ = std::make_unique<FrameFolder>(
@@ -93,7 +100,9 @@ void Watcher::tick(Micros now) try {
       outcome_ = {true, stopping_ ? kOk : kNotReady, stopping_ ? "" : fmt::format("no RUN from the simulator in {:g} s", settings_.ready)};
     return;
   }
-  if (next_ < wanted_.size() && states_.contains(wanted_[next_])) {
+  if (realtime_ && !states_.empty() && !last_step_) {
+    draw(states_.begin()->first);
+  } else if (next_ < wanted_.size() && states_.contains(wanted_[next_])) {
     draw_next();
     wake_ = now;
   } else if (last_step_ && next_ >= wanted_.size()) {
@@ -106,11 +115,15 @@ void Watcher::tick(Micros now) try {
 }
 
 void Watcher::draw_next() {
-  const int64_t step = wanted_[next_];
+  draw(wanted_[next_]);
+  ++next_;
+}
+
+void Watcher::draw(int64_t step) {
   const double time = static_cast<double>(step_utime(step, dt_)) * 1e-6;
   const std::string path = folder_->write(painter_->draw(states_[step]), step, time);
   states_.erase(states_.begin(), states_.upper_bound(step));
-  drawn_ = step, ++next_;
+  drawn_ = step;
   silence_.progress();
 
   frame_t frame{};

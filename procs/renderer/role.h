@@ -37,6 +37,7 @@ class Watcher : public Role {
   void on_run(std::span<const uint8_t> bytes);
   void read_more_of_the_log();
   void draw_next();
+  void draw(int64_t step);
   void finish();
 
   Experiment settings_;
@@ -49,7 +50,8 @@ class Watcher : public Role {
   std::optional<Robot> robot_;
   std::unique_ptr<Painter> painter_;
   std::unique_ptr<FrameFolder> folder_;
-  std::vector<int64_t> wanted_;  ///< steps to draw, rising
+  bool realtime_ = false;        ///< the newest state at each tick of its own, whatever was missed
+  std::vector<int64_t> wanted_;  ///< steps to draw, rising; in real time the next one
   size_t next_ = 0;              ///< index into wanted_
   std::map<int64_t, Eigen::VectorXd> states_;
   int64_t drawn_ = -1;

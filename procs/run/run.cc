@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <lab/type_t.hpp>
+#include <cmath>
+#include <random>
 #include <set>
 
 #include "lcmtypes/texts.h"
@@ -11,6 +13,7 @@
 #include "procs/wire/codec.h"
 #include "procs/wire/log_reader.h"
 #include "procs/wire/log_writer.h"
+#include "procs/wire/participant.h"
 #include "procs/wire/step_record.h"
 
 namespace lab {
@@ -28,6 +31,7 @@ run_t make_run(const Experiment& experiment, const Robot& robot) {
   run.njoints = static_cast<int32_t>(run.joint_names.size());
   const int64_t parts[3] = {static_cast<int64_t>(XXH3_64bits(run.experiment.data(), run.experiment.size())), run.model_hash, run.seed};
   run.run = static_cast<int64_t>(XXH3_64bits(parts, sizeof parts));
+  if (experiment.simulator.clock == "realtime") run.run = std::llround(1e3 * std::random_device()()) ^ wall_now();
   if (run.run == 0) run.run = 1;
   return run;
 }
@@ -42,7 +46,8 @@ RunView open_run(const run_t& run) {
 RunSetup setup_of(const RunView& run) {
   const Experiment& e = run.experiment;
   return {run.robot.hash, static_cast<int>(run.robot.model.nq), static_cast<int>(run.robot.model.nv),
-          e.simulator.dt, e.last_step(),  e.planner.lead,            e.controller.every};
+          e.simulator.dt, e.last_step(),  e.planner.lead,            e.controller.every,
+          e.simulator.clock == "realtime", static_cast<int64_t>(std::floor(e.safety.timeout / e.simulator.dt + 1e-9))};
 }
 
 std::vector<Bytes> type_messages(int64_t run) {

@@ -9,8 +9,8 @@
 
 namespace lab {
 
-/// RUN of a lockstep run. Its id is a hash of the experiment's canonical text, the model hash and the seed, so that
-/// the same experiment has the same id.
+/// RUN of a run. In lockstep its id is a hash of the experiment's canonical text, the model hash and the seed, so that
+/// the same experiment has the same id; in real time no two runs are the same, and it is random.
 run_t make_run(const Experiment& experiment, const Robot& robot);
 
 /// What a process makes of RUN: everything it may know of the experiment. Throws ExperimentError.

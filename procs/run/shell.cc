@@ -32,7 +32,7 @@ int follower_main(int argc, char** argv, const std::string& name,
   if (name == kController) options.channels.push_back(Channel::Reference);
   std::string run_dir;
   double deadline = 10, ready = 10;
-  app.add_option("--run-dir", run_dir, "the run's folder: lets a restarted process catch up from its log");
+  app.add_option("--run-dir", run_dir, "the run's folder: lets a restarted process catch up from its log")->envname("LAB_RUN_DIR");
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
   app.add_option("--deadline", deadline, "s without a word from the simulator that end the process")->check(CLI::PositiveNumber);

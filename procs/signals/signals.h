@@ -27,7 +27,8 @@ struct Reference {
 
 /// Joint effort.
 struct Command {
-  Eigen::VectorXd tau;  ///< nv
+  Eigen::VectorXd tau;      ///< nv
+  int64_t state_step = -1;  ///< of the state that it was made from
 };
 
 /// What a person or tool asks for, once the simulator has accepted it. See lcmtypes/action_t.lcm.

@@ -5,6 +5,7 @@
 #include "procs/experiment/experiment_yaml.h"
 #include "procs/run/shell.h"
 #include "procs/simulator/role.h"
+#include "procs/wire/lateness.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"The simulator of a lab: publishes RUN, waits for the other processes, and leads the run step by step."};
@@ -12,8 +13,8 @@ int main(int argc, char** argv) {
   lab::ParticipantOptions options{.name = lab::kSimulator, .url = "", .prefix = "", .channels = {lab::Channel::Reference, lab::Channel::Command, lab::Channel::Event, lab::Channel::Ack,
                                                             lab::Channel::Need, lab::Channel::Process, lab::Channel::Request}};
   std::string experiment_file, run_dir;
-  app.add_option("--experiment", experiment_file, "YAML file")->required();
-  app.add_option("--run-dir", run_dir, "the run's folder (not used by the simulator)");
+  app.add_option("--experiment", experiment_file, "YAML file (default: the run folder's experiment.yaml)");
+  app.add_option("--run-dir", run_dir, "the run's folder")->envname("LAB_RUN_DIR");
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
   try {
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
   }
   return lab::guarded_main("lab-simulator", [&] {
+    if (experiment_file.empty()) experiment_file = run_dir.empty() ? "experiment.yaml" : run_dir + "/experiment.yaml";
     const lab::Experiment experiment = lab::load_experiment(experiment_file);
     const lab::Robot robot = lab::load_robot(experiment);
     lab::Participant participant(options);
@@ -30,6 +32,8 @@ int main(int argc, char** argv) {
     const double seconds = static_cast<double>(role->running_time()) * 1e-6;
     if (role->step() > 0 && seconds > 0)
       fmt::print("{} steps in {:.6f} s, {:.0f} steps/s\n", role->step(), seconds, static_cast<double>(role->step()) / seconds);
+    if (const lab::Lateness* late = role->lateness(); late && late->ticks() > 0)
+      fmt::print("ticks late by {} us (p50), {} us (p99), {} us at most; {} overruns\n", late->quantile(0.5), late->quantile(0.99), late->longest(), role->overruns());
     return code;
   });
 }

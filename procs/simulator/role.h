@@ -3,11 +3,11 @@
 
 #include "procs/experiment/experiment.h"
 #include "procs/experiment/robot.h"
-#include "procs/wire/sequencer.h"
+#include "procs/wire/leader.h"
 
 namespace lab::simulator {
 
-/// The simulator's step as the sequencer of a lockstep run. Throws ExperimentError.
-std::unique_ptr<Sequencer> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce, Publish publish);
+/// The simulator's step as the leader of a run, by the clock that the experiment asks for. Throws ExperimentError.
+std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce, Publish publish);
 
 }  // namespace lab::simulator

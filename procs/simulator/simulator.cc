@@ -2,6 +2,8 @@
 
 #include <rbd/algorithm/aba.h>
 #include <rbd/algorithm/configuration.h>
+#include <rbd/algorithm/jacobian.h>
+#include <rbd/algorithm/rnea.h>
 
 #include <cmath>
 #include <exception>
@@ -14,6 +16,7 @@ namespace {
 
 constexpr double kRunaway = 1e6;  // rad/s, m/s: no robot is that fast
 constexpr double kFarAway = 1e9;  // rad, m
+constexpr double kBrake = 0.1;    // s: speed falls to 1/e while held
 
 /// True if the command may be used; an event says why not.
 bool accept(const Config& config, const Command& command, std::vector<Event>& events) {
@@ -49,13 +52,34 @@ void limit(const Config& config, State& state, const Command& command, std::vect
   }
 }
 
+/// The effort that holds the robot, within its limits: brings it to rest, and bears its weight.
+void hold(const Config& config, State& s) {
+  s.a = -s.robot.v / std::max(kBrake, 2 * config.dt);
+  rbd::rnea(config.model, s.data, s.robot.q, s.robot.v, s.a, s.applied);
+  if (!config.hold_gravity) s.applied -= rbd::computeGeneralizedGravity(config.model, s.data, s.robot.q);
+  for (const rbd::JointModel& joint : config.model.joints)
+    for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i) {
+      const double bound = joint.nv() == 1 ? config.model.effortLimit[i] : 0;
+      s.applied[i] = std::clamp(s.applied[i], -bound, bound);
+    }
+}
+
+/// Adds J^T wrench for every push.
+void add_pushes(const Config& config, State& s, const Eigen::VectorXd& q) {
+  for (const Push& push : s.pushes) {
+    rbd::computeFrameJacobian(config.model, s.data, q, push.frame, rbd::LOCAL_WORLD_ALIGNED, s.jacobian);
+    s.force.noalias() += s.jacobian.transpose() * push.wrench;
+  }
+}
+
 /// a for the effort in force at q, v.
 void accelerate(const Config& config, State& s, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                 Eigen::VectorXd& a) {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
-    s.force[i] = s.effort[i] - config.damping[i] * v[i];
+    s.force[i] = s.applied[i] - config.damping[i] * v[i];
     if (config.friction[i] > 0) s.force[i] -= config.friction[i] * std::tanh(v[i] / kSlipSpeed);
   }
+  if (!s.pushes.empty()) add_pushes(config, s, q);
   rbd::aba(config.model, s.data, q, v, s.force, a);
 }
 
@@ -101,6 +125,30 @@ void runge_kutta_4(const Config& config, State& s) {
   rbd::integrate(config.model, s.robot.q, s.twist, s.q);
 }
 
+void integrate(const Config& config, State& s) {
+  config.integrator == Integrator::RungeKutta4 ? runge_kutta_4(config, s) : semi_implicit_euler(config, s);
+}
+
+/// The joint that has just become faster than it may be; -1 if none.
+int too_fast(const Config& config, const State& s) {
+  for (int i = 0; i < config.model.nv; ++i)
+    if (std::abs(s.v[i]) > config.model.velocityLimit[i] && std::abs(s.v[i]) > std::abs(s.robot.v[i])) return i;
+  return -1;
+}
+
+/// Takes a push; empty, or why not.
+std::string take_push(const Config& config, State& state, const Action& action) {
+  const auto& x = action.values;
+  if (!config.model.existFrame(action.target)) return "no frame '" + action.target + "'";
+  if (x.size() != 7) return "needs n, f and seconds: 7 values, has " + std::to_string(x.size());
+  for (double value : x)
+    if (!std::isfinite(value)) return "a value is not finite";
+  Push push{config.model.frameId(action.target), {}, std::llround(x[6] / config.dt)};
+  push.wrench << x[0], x[1], x[2], x[3], x[4], x[5];
+  if (push.steps > 0) state.pushes.push_back(push);
+  return "";
+}
+
 /// What is wrong with the new q and v; `what` stays empty if nothing is.
 Event divergence(const Config& config, const State& s) {
   for (int j = 1; j < config.model.njoints; ++j) {
@@ -126,6 +174,13 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   config.v0 = joint_vector(e, "simulator.v0", e.simulator.v0, model, 0);
   config.damping = joint_vector(e, "simulator.damping", e.simulator.damping, model, 0);
   config.friction = joint_vector(e, "simulator.friction", e.simulator.friction, model, 0);
+  if (e.simulator.clock == "realtime") {
+    config.safety.timeout = static_cast<int64_t>(std::floor(e.safety.timeout / config.dt + 1e-9));
+    if (config.safety.timeout < 2)
+      fail(e, "safety.timeout", number(e.safety.timeout) + " s, needed at least 2 steps of " + number(config.dt) + " s");
+  }
+  config.safety.manual = e.safety.rearm == "manual";
+  config.hold_gravity = e.safety.hold == "gravity";
   const auto& g = e.simulator.gravity;
   if (floats(model) && !e.simulator.allow_fall && (g[0] != 0 || g[1] != 0 || g[2] != 0))
     fail(e, "simulator.allow_fall",
@@ -135,11 +190,12 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   return config;
 }
 
-State::State(const Config& config) : data(config.model) {
+State::State(const Config& config) : safety(safety::initial(config.safety)), data(config.model) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(config.model.nv);
   robot.q = q = config.q0;
   robot.v = v = config.v0;
-  robot.tau = effort = force = a = twist = zero;
+  robot.tau = effort = applied = force = a = twist = zero;
+  jacobian.setZero(6, config.model.nv);
   clamped.assign(config.model.nv, false);
   for (int i = 0; i < 4; ++i) slope_q[i] = slope_v[i] = zero;
 }
@@ -148,20 +204,41 @@ State initial(const Config& config) { return State(config); }
 
 Output step(const Config& config, State& state, const Input& input) {
   Output output;
-  for (const Action& action : input.actions)
-    if (is_for(action, "simulator"))
-      output.events.push_back(ignored(action, "simulator", "the simulator has no such action"));
-  if (input.command && accept(config, *input.command, output.events))
+  safety::Input said{.step = state.robot.step + 1, .command_from = {}};
+  for (const Action& action : input.actions) {
+    if (!is_for(action, "simulator")) continue;
+    std::string why_not;
+    if (action.verb == "estop") said.estop = true;
+    else if (action.verb == "rearm") said.rearm = true;
+    else if (action.verb == "push") why_not = take_push(config, state, action);
+    else why_not = "the simulator has no such action";
+    if (!why_not.empty()) output.events.push_back(ignored(action, "simulator", why_not));
+  }
+  if (input.command && safety::fresh(config.safety, state.safety, said.step, input.command->state_step) &&
+      accept(config, *input.command, output.events)) {
+    said.command_from = input.command->state_step;
     limit(config, state, *input.command, output.events);
+  }
 
+  output.mode = safety::step(config.safety, state.safety, said, output.events);
   Event fault;
   try {
-    config.integrator == Integrator::RungeKutta4 ? runge_kutta_4(config, state)
-                                                 : semi_implicit_euler(config, state);
+    if (output.mode == safety::Mode::Running) state.applied = state.effort;
+    else hold(config, state);
+    integrate(config, state);
+    const bool guarded = config.safety.timeout > 0 && output.mode == safety::Mode::Running;
+    if (const int i = guarded ? too_fast(config, state) : -1; i >= 0) {
+      safety::trip(config.safety, state.safety, joint_at(config.model, i),
+                   "v would be " + number(state.v[i]) + ", bound " + number(config.model.velocityLimit[i]), output.events);
+      output.mode = state.safety.mode;
+      hold(config, state);
+      integrate(config, state);
+    }
     fault = divergence(config, state);
   } catch (const std::exception& e) {  // a singular mass matrix, or a state too wild to integrate
     fault = {"diverged", "simulator", e.what()};
   }
+  std::erase_if(state.pushes, [](Push& push) { return --push.steps <= 0; });
   if (!fault.what.empty()) {
     output.events.push_back(fault);
     output.abort = true;
@@ -170,7 +247,7 @@ Output step(const Config& config, State& state, const Input& input) {
     state.robot.time = static_cast<double>(state.robot.step) * config.dt;
     state.robot.q = state.q;
     state.robot.v = state.v;
-    state.robot.tau = state.effort;
+    state.robot.tau = state.applied;
   }
   output.state = state.robot;
   return output;

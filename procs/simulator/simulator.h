@@ -7,9 +7,11 @@
 
 #include "procs/experiment/experiment.h"
 #include "procs/signals/signals.h"
+#include "procs/simulator/safety.h"
 
 /// The robot as simulated: one step of time as a pure function of config, state and input.
-/// a = M^-1 (tau - damping v - friction tanh(v / 0.01) - nle), armature in M.
+/// a = M^-1 (tau + J^T pushes - damping v - friction tanh(v / 0.01) - nle), armature in M. While safety says so the
+/// command is left aside and the robot held: tau = M (-v / 0.1 s) + nle (`gravity`), or without gravity's part.
 namespace lab::simulator {
 
 enum class Integrator {
@@ -23,19 +25,31 @@ struct Config {
   Integrator integrator = Integrator::SemiImplicitEuler;
   Eigen::VectorXd q0, v0;             ///< nq; nv
   Eigen::VectorXd damping, friction;  ///< nv: Nm s/rad, Nm; 0 for a floating base
+  safety::Config safety;              ///< with a watchdog in real time
+  bool hold_gravity = true;           ///< holding bears the robot's weight
 };
 
 /// Throws ExperimentError for values that do not fit the model, and for a floating robot that would only
 /// fall.
 Config make_config(const Experiment&, const rbd::Model&);
 
+/// A wrench on a frame for some steps.
+struct Push {
+  rbd::FrameIndex frame = 0;
+  Eigen::Matrix<double, 6, 1> wrench;  ///< (n, f) at the frame's origin, world axes: Nm, N
+  int64_t steps = 0;                   ///< left
+};
+
 struct State {
   explicit State(const Config&);
   RobotState robot;           ///< as last given out
   Eigen::VectorXd effort;     ///< nv: the command in force, limited
   std::vector<bool> clamped;  ///< nv: the command in force is limited here
-  rbd::Data data;             ///< scratch from here on
-  Eigen::VectorXd force, a, twist, q, v;
+  safety::State safety;
+  std::vector<Push> pushes;
+  rbd::Data data;  ///< scratch from here on
+  Eigen::VectorXd force, a, twist, q, v, applied;
+  rbd::Matrix6Xd jacobian;
   Eigen::VectorXd slope_q[4], slope_v[4];
 };
 
@@ -43,7 +57,7 @@ struct State {
 State initial(const Config&);
 
 struct Input {
-  const Command* command = nullptr;  ///< null: none is due, the last is held
+  const Command* command = nullptr;  ///< null: none is new, the last is held
   std::span<const Action> actions{};
 };
 
@@ -51,9 +65,10 @@ struct Output {
   RobotState state;           ///< of the next step; if `abort`, still the one before
   std::vector<Event> events;  ///< of the next step
   bool abort = false;         ///< the run cannot go on; the last event says why
+  safety::Mode mode = safety::Mode::Running;
 };
 
-/// From step k to k + 1. Effort beyond the limits is clamped (one event when it begins); a command of wrong
+/// From step k to k + 1. Takes the actions estop, rearm and push. Effort beyond the limits is clamped (one event when it begins); a command of wrong
 /// size or not finite is refused with an event and the last held; a state that is no longer finite aborts.
 /// Never throws.
 Output step(const Config&, State&, const Input&);

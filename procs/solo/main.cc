@@ -35,6 +35,8 @@ int main(int argc, char** argv) {
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
     const lab::Experiment experiment = lab::load_experiment(experiment_file, overrides);
+    if (experiment.simulator.clock != "lockstep")
+      lab::fail(experiment, "simulator.clock", "is " + experiment.simulator.clock + "; in one process there is no bus to be late on: use lockstep");
     const lab::Robot robot = lab::load_robot(experiment);
     lab::logger::LogFiles files(run_dir);
     const lab::Outcome outcome = lab::solo::run(experiment, robot, files, [](int64_t) { return !interrupted; });

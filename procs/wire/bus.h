@@ -63,7 +63,7 @@ class Bus {
   /// first (0 = does not wait, negative = for ever). Returns how many. A signal ends the wait early with 0.
   /// The handler may publish and may throw; after a throw the rest of the messages comes with the next poll.
   /// A reader in no hurry is woken less often: after its wake-up it sleeps batch_us more before it looks.
-  /// One in a hurry (0) looks for some 30 us without sleeping: in lockstep the answer is that near.
+  /// One in a hurry (0) looks for some 30 us without sleeping: in lockstep the answer is that near. -1: sleep at once.
   virtual int poll(int64_t timeout_us, const Handler& handler, int64_t batch_us = 0) = 0;
   virtual BusCounters counters() const = 0;
   /// One line for people: back end, address, receive buffer asked and granted.

@@ -33,7 +33,7 @@ void to_message(const Reference& reference, reference_t& m) {
   assign(m.q, reference.q), assign(m.v, reference.v), assign(m.a, reference.a);
 }
 
-Command to_signal(const command_t& m) { return {vector(m.tau)}; }
+Command to_signal(const command_t& m) { return {vector(m.tau), m.state_step}; }
 void to_message(const Command& command, command_t& m) {
   m.nv = static_cast<int32_t>(command.tau.size());
   assign(m.tau, command.tau);

@@ -25,6 +25,7 @@ Follower::Follower(std::string name, Channel answer, FollowerConfig config, Begi
 std::string Follower::state() const {
   if (outcome_.exit_code != kOk) return "FAULT";
   if (run_ == 0 || folding_) return "STARTING";
+  if (setup_.realtime && next_ > 0 && idle_) return "HOLDING";
   return next_ == 0 ? "READY" : "RUNNING";
 }
 
@@ -34,6 +35,7 @@ void Follower::fail(int exit_code, const std::string& reason) { outcome_ = {true
 
 void Follower::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) {
   if (outcome_.ended) return;
+  if (setup_.realtime) return receive_in_real_time(channel, bytes, now);
   switch (channel) {
     case Channel::Run:
       if (run_ == 0) on_run(bytes, now);
@@ -73,8 +75,9 @@ void Follower::on_run(std::span<const uint8_t> bytes, Micros now) {
   run_ = message.run;
   answers_.resize(std::max(setup_.lead, setup_.every) + 2);
   patience_.reset(now);
-  folding_ = static_cast<bool>(config_.read_log);
-  begin();
+  folding_ = static_cast<bool>(config_.read_log) && !setup_.realtime;
+  if (!setup_.realtime) begin();
+  else ask(kBeforeStart);  // INPUTs of before
   if (folding_) {
     config_.read_log(run_, [&](Channel channel, std::span<const uint8_t> logged) {
       if (channel == Channel::RobotState || channel == Channel::Reference || channel == Channel::Input) receive(channel, logged, now);
@@ -114,21 +117,68 @@ void Follower::handle_while_possible(Micros now) {
     if (!record || record->state.empty() || !can_handle(*record)) return;
     decode(record->state, state_);
     if (!inputs_complete_to(state_.input_seq)) return;
-    std::vector<Action> actions;
-    while (input_seq_ < state_.input_seq) {
-      const auto node = inputs_.extract(++input_seq_);
-      actions.push_back(to_signal(decode<input_t>(node.mapped()).action));
-    }
+    const std::vector<Action> actions = take_inputs_to(state_.input_seq);
     ++next_;
     handle(state_, *record, actions);
     patience_.reset(now);
   }
 }
 
+std::vector<Action> Follower::take_inputs_to(int64_t seq) {
+  std::vector<Action> actions;
+  while (input_seq_ < seq) {
+    const auto node = inputs_.extract(++input_seq_);
+    actions.push_back(to_signal(decode<input_t>(node.mapped()).action));
+  }
+  return actions;
+}
+
+// ---- real time: the newest state counts, nothing is made up for ----------------------------------------------
+
+void Follower::receive_in_real_time(Channel channel, std::span<const uint8_t> bytes, Micros now) {
+  switch (channel) {
+    case Channel::RobotState:
+      silence_.progress();
+      if (const int64_t step = peek_step(bytes); step < next_) ++late_;
+      else if (newest_.empty() || step > peek_step(newest_)) newest_.assign(bytes.begin(), bytes.end());
+      break;
+    case Channel::Input: file(channel, bytes, now); break;
+    case Channel::Process:
+      if (const auto process = decode<process_t>(bytes); process.name == kSimulator) held_ = process.state != "RUNNING", silence_.progress();
+      break;
+    case Channel::End: outcome_.ended = true; break;
+    default: keep(channel, bytes);
+  }
+}
+
+void Follower::answer_in_real_time(Micros now) {
+  if (newest_.empty()) {
+    if (now - answered_at_ > std::llround(static_cast<double>(setup_.timeout) * setup_.dt * 1e6)) idle_ = true;
+    return;
+  }
+  decode(newest_, state_);
+  if (!inputs_complete_to(state_.input_seq)) {
+    if (patience_.expired(now)) ask(state_.step - 2 * kWindow);
+    return;
+  }
+  newest_.clear();
+  idle_ = !answer_newest(state_, take_inputs_to(state_.input_seq), held_);
+  next_ = state_.step + 1;
+  answered_at_ = now;
+  patience_.reset(now);
+}
+
 void Follower::give(int64_t step, std::vector<Bytes> events, Bytes main) {
   Answer& kept = answers_[step % answers_.size()];
   kept = {step, std::move(events), std::move(main), 0};
   if (!folding_) publish(kept);
+}
+
+std::vector<Bytes> Follower::encoded(const std::vector<Event>& events, int64_t step, int64_t at) const {
+  std::vector<Bytes> out;
+  for (size_t i = 0; i < events.size(); ++i)
+    out.push_back(encode(to_message(events[i], name_, step, at, run_, static_cast<int64_t>(i))));
+  return out;
 }
 
 void Follower::publish(const Answer& answer) {
@@ -145,7 +195,8 @@ void Follower::ask(int64_t step) {
 void Follower::tick(Micros now) {
   if (outcome_.ended) return;
   silence_.look(now);
-  if (patience_.expired(now)) ask(run_ == 0 ? kBeforeStart : next_);
+  if (setup_.realtime) answer_in_real_time(now);
+  else if (patience_.expired(now)) ask(run_ == 0 ? kBeforeStart : next_);
   if (run_ == 0 && silence_.total() > config_.ready_deadline)
     fail(kNotReady, fmt::format("no RUN from the simulator in {:g} s", config_.ready_deadline * 1e-6));
   else if (run_ != 0 && silence_.total() > config_.deadline)
@@ -155,24 +206,30 @@ void Follower::tick(Micros now) {
 // ---- planner ------------------------------------------------------------------------------------------------
 
 void PlannerRole::begin() {
-  for (int64_t step = 0; step < setup_.lead && step <= setup_.last_step; ++step) give_reference(step, {});
+  for (int64_t step = 0; step < setup_.lead && step <= setup_.last_step; ++step) give_reference(step, utime(step), {});
 }
 
-void PlannerRole::handle(const robot_state_t&, const StepRecord& record, std::span<const Action> actions) {
-  if (record.step + setup_.lead <= setup_.last_step) give_reference(record.step + setup_.lead, actions);
+void PlannerRole::handle(const robot_state_t& message, const StepRecord& record, std::span<const Action> actions) {
+  const RobotState state = to_signal(message);
+  const int64_t step = record.step + setup_.lead;
+  if (step <= setup_.last_step) give_reference(step, utime(step), {&state, actions});
 }
 
-void PlannerRole::give_reference(int64_t step, std::span<const Action> actions) {
+/// For the next state; the controller has it when that comes.
+bool PlannerRole::answer_newest(const robot_state_t& message, std::span<const Action> actions, bool held) {
+  const RobotState state = to_signal(message);
+  give_reference(state.step + 1, message.utime + step_utime(1, setup_.dt), {&state, actions, held});
+  return true;
+}
+
+void PlannerRole::give_reference(int64_t step, int64_t at, const PlanInput& input) {
   std::vector<Event> events;
-  const Reference reference = plan_(step, actions, events);
+  const Reference reference = plan_(step, input, events);
   reference_t message{};
   to_message(reference, message);
-  message.utime = utime(step), message.run = run_, message.step = step;
+  message.utime = at, message.run = run_, message.step = step;
   message.extras = static_cast<int32_t>(events.size());
-  std::vector<Bytes> extras;
-  for (size_t i = 0; i < events.size(); ++i)
-    extras.push_back(encode(to_message(events[i], name_, step, utime(step), run_, static_cast<int64_t>(i))));
-  give(step, std::move(extras), encode(message));
+  give(step, encoded(events, step, at), encode(message));
 }
 
 // ---- controller ---------------------------------------------------------------------------------------------
@@ -182,24 +239,39 @@ bool ControllerRole::can_handle(const StepRecord& record) const { return !due(re
 void ControllerRole::handle(const robot_state_t& state, const StepRecord& record, std::span<const Action> actions) {
   pending_.insert(pending_.end(), actions.begin(), actions.end());
   if (!due(record.step)) return;
-  std::vector<Event> events;
   decode(record.reference, reference_);
-  const Command command = control_(to_signal(state), to_signal(reference_), pending_, events);
-  pending_.clear();
+  give_command(state, std::exchange(pending_, {}));
+}
+
+void ControllerRole::keep(Channel channel, std::span<const uint8_t> bytes) {
+  if (channel != Channel::Reference || (have_reference_ && peek_step(bytes) <= reference_.step)) return;
+  decode(bytes, reference_);
+  have_reference_ = true;
+}
+
+/// Silent without a reference that is fresh: then the simulator holds the robot.
+bool ControllerRole::answer_newest(const robot_state_t& state, std::span<const Action> actions, bool) {
+  pending_.insert(pending_.end(), actions.begin(), actions.end());
+  if (!have_reference_ || state.step - reference_.step >= setup_.timeout) return false;
+  if (commanded_ < 0 || state.step >= commanded_ + setup_.every) give_command(state, std::exchange(pending_, {}));
+  return true;
+}
+
+void ControllerRole::give_command(const robot_state_t& state, std::span<const Action> actions) {
+  std::vector<Event> events;
+  const Command command = control_(to_signal(state), to_signal(reference_), actions, events);
   for (Eigen::Index i = 0; i < command.tau.size(); ++i)
     if (!std::isfinite(command.tau[i]))
-      return fail(kSafety, fmt::format("the effort for step {} is not finite: tau[{}] is {}; nothing was sent", record.step, i, command.tau[i]));
+      return fail(kSafety, fmt::format("the effort for step {} is not finite: tau[{}] is {}; nothing was sent", state.step, i, command.tau[i]));
 
   command_t message{};
   to_message(command, message);
-  message.utime = utime(record.step), message.run = run_, message.step = record.step;
-  message.state_step = message.reference_step = record.step;
+  message.utime = state.utime, message.run = run_, message.step = state.step;
+  message.state_step = state.step, message.reference_step = reference_.step;
   message.input_seq = state.input_seq;
   message.extras = static_cast<int32_t>(events.size());
-  std::vector<Bytes> extras;
-  for (size_t i = 0; i < events.size(); ++i)
-    extras.push_back(encode(to_message(events[i], name_, record.step, utime(record.step), run_, static_cast<int64_t>(i))));
-  give(record.step, std::move(extras), encode(message));
+  give(state.step, encoded(events, state.step, state.utime), encode(message));
+  commanded_ = state.step;
 }
 
 }  // namespace lab

@@ -1,7 +1,10 @@
 #include "procs/wire/participant.h"
 
 #include <fmt/format.h>
+#include <sched.h>
 #include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -10,6 +13,7 @@
 #include <lab/process_t.hpp>
 
 #include "procs/wire/codec.h"
+#include "procs/wire/lateness.h"
 #include "procs/wire/step_record.h"
 
 namespace lab {
@@ -58,6 +62,28 @@ bool only_not_finite(Channel channel, std::span<const uint8_t> bytes) {
 
 Micros monotonic_now() { return clock_now(CLOCK_MONOTONIC); }
 Micros wall_now() { return clock_now(CLOCK_REALTIME); }
+
+/// In a process namespace under the host's /proc, the pid that the host sees.
+int host_pid() {
+  static const int pid = [] {
+    char text[32] = {};
+    const ssize_t n = readlink("/proc/self", text, sizeof text - 1);
+    const int seen = n > 0 ? std::atoi(text) : 0;
+    return seen > 0 ? seen : getpid();
+  }();
+  return pid;
+}
+
+/// Asks the kernel for what real time needs; says what it refused.
+void go_realtime(const std::string& name, int urgency) {
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  const sched_param wanted{.sched_priority = 40 + urgency};
+  std::string missing;
+  if (sched_setscheduler(0, SCHED_FIFO, &wanted) < 0) missing = "SCHED_FIFO";
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) < 0) missing += missing.empty() ? "mlockall" : " and mlockall";
+  if (!missing.empty())
+    fmt::print(stderr, "lab-{}: no right to {} here: ticks come later under load (see scripts/lab doctor)\n", name, missing);
+}
 
 int64_t launch_nonce() {
   const char* text = std::getenv("LAB_LAUNCH");
@@ -109,7 +135,7 @@ void Participant::receive(Role& role, const Datagram& datagram) {
 int Participant::run(Role& role) {
   std::string said;
   Micros next_process = 0;
-  bool stopping = false;
+  bool stopping = false, urgent = false;
   const auto finish = [&](int exit_code, const std::string& reason) {
     if (!reason.empty()) fmt::print(stderr, "lab-{}: {}\n", options_.name, reason);
     return exit_code;
@@ -127,6 +153,7 @@ int Participant::run(Role& role) {
       if (signals_seen && !stopping) stopping = true, role.stop(monotonic_now());
       const Micros now = monotonic_now();
       role.tick(now);
+      if (role.urgency() > 0 && !urgent) urgent = true, go_realtime(options_.name, role.urgency());
       if (woken) note_loop(now - woken);
       if (now >= next_process || role.state() != said) {
         said = role.state(), next_process = now + kRepeat;
@@ -147,7 +174,7 @@ void Participant::say_process(Role& role, const std::string& state) {
   const BusCounters bus = bus_->counters();
   process_t process{};
   process.utime = wall_now(), process.run = role.run(), process.step = role.step();
-  process.name = options_.name, process.pid = getpid(), process.state = state;
+  process.name = options_.name, process.pid = host_pid(), process.state = state;
   process.nonce = nonce_, process.model_hash = role.model_hash();
   process.received = received_, process.lost = bus.lost, process.late = role.late();
   process.rejected = rejected_, process.foreign = foreign_, process.last_rejected = last_rejected_;
@@ -155,6 +182,11 @@ void Participant::say_process(Role& role, const std::string& state) {
   if (!loops.empty()) {
     std::sort(loops.begin(), loops.end());
     process.loop_p50 = loops[loops.size() / 2], process.loop_p99 = loops[loops.size() * 99 / 100], process.loop_max = loops.back();
+  }
+  if (const Lateness* late = role.lateness()) {
+    process.overruns = role.overruns();
+    process.lateness_p50 = static_cast<float>(late->quantile(0.5)), process.lateness_p99 = static_cast<float>(late->quantile(0.99));
+    process.lateness_max = static_cast<float>(late->longest());
   }
   publish()(Channel::Process, encode(process));
 }

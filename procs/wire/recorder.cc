@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <lab/ack_t.hpp>
+#include <lab/input_t.hpp>
 #include <lab/need_t.hpp>
 
 #include "procs/wire/codec.h"
@@ -38,13 +39,16 @@ void Recorder::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
     case Channel::Command:
     case Channel::Input:
     case Channel::Event:
-      if (run_ != 0 && !closed_) file(channel, bytes, now), write_matching_steps(now);
+      if (run_ == 0 || closed_) break;
+      if (setup_.realtime) return write_as_it_comes(channel, bytes);
+      file(channel, bytes, now), write_matching_steps(now);
       break;
     case Channel::End:
       if (run_ == 0) break;
       if (!end_) {
         end_ = decode<end_t>(bytes);
         end_bytes_.assign(bytes.begin(), bytes.end());
+        if (setup_.realtime) return finish();
         patience_.hurry(now);
         write_matching_steps(now);
       } else if (closed_) {
@@ -68,6 +72,7 @@ void Recorder::on_run(std::span<const uint8_t> bytes) {
   sink_.open(message.run, [&](Channel channel, std::span<const uint8_t> logged) {
     begun = true;
     if (channel == Channel::RobotState) written_ = highest_ = peek_step(logged);
+    if (channel == Channel::Input) input_seq_ = decode<input_t>(logged).input_seq;
   });
   if (!begun) {
     sink_.append(Channel::Run, bytes, message.utime);
@@ -78,6 +83,18 @@ void Recorder::on_run(std::span<const uint8_t> bytes) {
   flushed_ = written_;
   run_ = message.run;
   send_ack();
+}
+
+/// Real time: the log is what the logger heard, in that order.
+void Recorder::write_as_it_comes(Channel channel, std::span<const uint8_t> bytes) {
+  if (channel == Channel::Input) {
+    const int64_t seq = decode<input_t>(bytes).input_seq;
+    if (seq <= input_seq_) return;  // sent again for somebody else
+    input_seq_ = seq;
+  }
+  const int64_t step = peek_step(bytes);
+  if (step % config_.every == 0 || channel == Channel::Input || channel == Channel::Event) sink_.append(channel, bytes, peek_utime(bytes));
+  if (channel == Channel::RobotState) written_ = std::max(written_, step);
 }
 
 void Recorder::file(Channel channel, std::span<const uint8_t> bytes, Micros now) {
@@ -149,7 +166,7 @@ void Recorder::tick(Micros now) try {
     next_ack_ = now + kRepeat;
     if (run_ != 0 && !closed_) flush();
   }
-  if (patience_.expired(now) && !closed_) {
+  if (patience_.expired(now) && !closed_ && !(run_ != 0 && setup_.realtime)) {
     const int64_t missing = run_ == 0 ? kBeforeStart : written_ + 1;
     const auto ask = [&](int64_t step) {
       need_t need{};
@@ -169,7 +186,7 @@ void Recorder::tick(Micros now) try {
   fail(kDied, error.what());
 }
 
-Micros Recorder::wake() const { return closed_ ? next_ack_ : std::min(patience_.due(), next_ack_); }
+Micros Recorder::wake() const { return closed_ || (run_ != 0 && setup_.realtime) ? next_ack_ : std::min(patience_.due(), next_ack_); }
 
 void Recorder::stop(Micros) try {
   if (run_ != 0) finish();

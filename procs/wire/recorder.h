@@ -59,6 +59,7 @@ class Recorder : public Role {
   void on_run(std::span<const uint8_t> bytes);
   void file(Channel channel, std::span<const uint8_t> bytes, Micros now);
   void write_matching_steps(Micros now);
+  void write_as_it_comes(Channel channel, std::span<const uint8_t> bytes);
   std::optional<int64_t> digest_published_for(int64_t step);
   void flush();
   void send_ack();
@@ -79,6 +80,7 @@ class Recorder : public Role {
   int64_t flushed_ = kBeforeStart;  ///< last step that the kernel has
   int64_t highest_ = kBeforeStart;  ///< last step of which anything was seen
   int64_t hurried_ = kBeforeStart - 1;
+  int64_t input_seq_ = 0;           ///< real time: last INPUT written
   std::optional<end_t> end_;
   Bytes end_bytes_;
   bool closed_ = false;

@@ -21,6 +21,7 @@ using Publish = std::function<void(Channel, std::span<const uint8_t>)>;
 inline constexpr int64_t kWindow = 256;          ///< W: steps that a listener may be behind
 inline constexpr Micros kFirstWait = 1'000;      ///< T: wait before the first NEED
 inline constexpr Micros kLongestWait = 100'000;  ///< T doubles up to this
+inline constexpr Micros kNoSpin = -1;            ///< Bus::poll: sleep at once
 inline constexpr Micros kRepeat = 100'000;       ///< period of ACK, END and PROCESS
 /// The names under which the four act in the protocol; a foreign controller takes the name too.
 inline constexpr const char* kSimulator = "simulator";
@@ -47,6 +48,8 @@ struct Refusal {
   std::string reason;
 };
 
+class Lateness;
+
 class Role {
  public:
   virtual ~Role() = default;
@@ -57,13 +60,17 @@ class Role {
   /// Does what time asks for. Call it after the waiting messages were received, at wake() and every kRepeat at least.
   virtual void tick(Micros now) = 0;
   virtual Micros wake() const = 0;
-  /// How late it may look at what has arrived: a role in no hurry is woken once for many messages.
+  /// How late it may look at what has arrived, as Bus::poll takes it: a role in no hurry is woken once for many.
   virtual Micros batch() const { return 0; }
+  /// Real time: 0 for ordinary scheduling, else a rank among the lab's processes, higher first.
+  virtual int urgency() const { return 0; }
+  virtual const Lateness* lateness() const { return nullptr; }  ///< of its ticks; null without any
+  virtual int64_t overruns() const { return 0; }
   /// Ends gracefully at the next chance.
   virtual void stop(Micros now) = 0;
 
   virtual const Outcome& outcome() const = 0;
-  virtual std::string state() const = 0;   ///< STARTING READY RUNNING STOPPING FAULT, as in PROCESS
+  virtual std::string state() const = 0;   ///< STARTING READY RUNNING HOLDING STOPPING FAULT, as in PROCESS
   virtual int64_t step() const = 0;        ///< last step finished; -1 = none
   virtual int64_t run() const = 0;         ///< 0 while unknown
   virtual int64_t model_hash() const = 0;  ///< 0 while unknown

@@ -26,6 +26,7 @@ bool assign(Bytes& place, std::span<const uint8_t> bytes, bool replace) {
 
 }  // namespace
 
+int64_t peek_utime(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 8); }
 int64_t peek_run(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 16); }
 int64_t peek_step(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 24); }
 int64_t peek_digest(std::span<const uint8_t> robot_state) { return big_endian<int64_t>(robot_state, robot_state.size() - 12); }

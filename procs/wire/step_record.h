@@ -69,6 +69,7 @@ class StepRing {
 
 /// Single fields without decoding the rest: every message starts with fingerprint, utime, run, step, the three
 /// main messages end with extras, and in ROBOT_STATE the digest stands before them.
+int64_t peek_utime(std::span<const uint8_t> message);
 int64_t peek_step(std::span<const uint8_t> message);
 int64_t peek_run(std::span<const uint8_t> message);
 /// The digest of the step before, in a ROBOT_STATE.

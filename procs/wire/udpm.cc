@@ -257,8 +257,8 @@ bool UdpmBus::wait(int64_t timeout_us, int64_t batch_us) {
 
 int UdpmBus::poll(int64_t timeout_us, const Handler& handler, int64_t batch_us) {
   // An answer that comes within microseconds is taken without a sleep: a sleep and a wake-up cost more than the answer.
-  if (timeout_us == 0 || batch_us == 0 || !drained_ || next_ < filled_) {
-    const int64_t spin = batch_us > 0 ? 0 : timeout_us < 0 ? kSpin : std::min(kSpin, timeout_us);
+  if (timeout_us == 0 || batch_us <= 0 || !drained_ || next_ < filled_) {
+    const int64_t spin = batch_us != 0 ? 0 : timeout_us < 0 ? kSpin : std::min(kSpin, timeout_us);
     const int64_t begin = now_us();
     do {
       if (const int n = drain(handler); n > 0) return n;

@@ -53,8 +53,8 @@ constexpr Case kRefused[] = {
      "x.yaml:3: simulator.dt: must be a number, not '0.01' in quotes"},
     {"robot: {model: m}\nsimulator:\n  dt: 0,01\n", "x.yaml:3: simulator.dt: must be a number, not '0,01'"},
     {"robot: {model: m}\nsimulator:\n  dt: [0.01]\n", "x.yaml:3: simulator.dt: must be a number, not a list"},
-    {"robot: {model: m}\nsimulator:\n  clock: realtime\n",
-     "x.yaml:3: simulator.clock: 'realtime' is not built yet; use lockstep"},
+    {"robot: {model: m}\nsimulator:\n  clock: sundial\n",
+     "x.yaml:3: simulator.clock: 'sundial' is not known; use one of lockstep, realtime"},
     {"robot: {model: m}\nsimulator:\n  integrator: euler\n",
      "x.yaml:3: simulator.integrator: 'euler' is not known; use one of semi_implicit_euler, rk4"},
     {"robot: {model: m}\nsimulator:\n  gravity: [0, -9.81]\n",
@@ -236,10 +236,12 @@ TEST(ExperimentYaml, CanonicalTextKeepsWhatCountsAndNothingElse) {
     ASSERT_EQ(back.simulator, e.simulator);
     ASSERT_EQ(back.planner, e.planner);
     ASSERT_EQ(back.controller, e.controller);
+    ASSERT_EQ(back.safety, e.safety);
     ASSERT_EQ(back.expect, e.expect);
     // what cannot change the log cannot change the text
     other.name = e.name, other.seed = e.seed, other.robot = e.robot, other.simulator = e.simulator;
     other.planner = e.planner, other.controller = e.controller, other.expect = e.expect;
+    other.safety = e.safety;
     if (!other.robot.model.starts_with("builtin:")) other.robot.model = "/another/folder/robot.urdf";
     ASSERT_EQ(canonical(other), canonical(e));
   }

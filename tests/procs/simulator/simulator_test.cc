@@ -221,7 +221,7 @@ TEST(Simulator, UnknownActionsAreSaid) {
   const Output out = step(config, state, {.actions = actions});
   ASSERT_EQ(out.events.size(), 1u);  // the others are for the controller and the planner
   EXPECT_EQ(out.events[0].what, "action_ignored");
-  EXPECT_EQ(out.events[0].why, "'push': the simulator has no such action");
+  EXPECT_EQ(out.events[0].why, "'push': no frame 'elbow'");
 }
 
 TEST(Simulator, SameInputSameBytes) {

@@ -153,7 +153,7 @@ TEST(Lockstep, ALogWithInputsExplainsItself) {
       const auto state = to_signal(decode<robot_state_t>(record.state));
       ASSERT_EQ(state.q, advance.state.q) << "seed " << seed << " step " << step;
       if (step + setup.lead <= setup.last_step)
-        references[step + setup.lead] = planner(step + setup.lead, actions[step], events);
+        references[step + setup.lead] = planner(step + setup.lead, {nullptr, actions[step]}, events);
       ASSERT_EQ(to_signal(decode<reference_t>(record.reference)).q, references[step].q)
           << "seed " << seed << " step " << step;
       pending.insert(pending.end(), actions[step].begin(), actions[step].end());
@@ -206,7 +206,7 @@ TEST(Lockstep, AProcessThatNeverComesIsNamed) {
 /// A sequencer alone, with answers made by hand.
 struct Bench {
   std::vector<std::pair<Channel, Bytes>> sent;
-  SequencerConfig config;
+  LeaderConfig config;
   std::unique_ptr<Sequencer> sequencer;
   Bench() {
     run_t run{};

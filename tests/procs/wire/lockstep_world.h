@@ -52,8 +52,8 @@ struct ToySimulator {
 };
 struct ToyPlanner {
   double offset = 0;
-  Reference operator()(int64_t step, std::span<const Action> actions, std::vector<Event>& events) {
-    for (const Action& action : actions) offset += action.values.at(0);
+  Reference operator()(int64_t step, const PlanInput& input, std::vector<Event>& events) {
+    for (const Action& action : input.actions) offset += action.values.at(0);
     if (step % 11 == 3) events.push_back({"mark", "plan", std::to_string(offset)}), events.push_back({"mark", "again", ""});
     return {step, Eigen::Vector2d(std::sin(0.03 * static_cast<double>(step)) + offset, offset), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   }
@@ -161,7 +161,7 @@ class World {
     };
     const RunSetup setup = toy_setup(run_);
     if (name == kSimulator) {
-      SequencerConfig config;
+      LeaderConfig config;
       config.run = encode(run_), config.run_id = run_.run, config.model_hash = run_.model_hash;
       config.nq = config.nv = 2, config.dt = setup.dt;
       config.last_step = setup.last_step, config.every = setup.every, config.lead = setup.lead;

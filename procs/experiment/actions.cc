@@ -1,0 +1,69 @@
+#include "procs/experiment/actions.h"
+
+#include <cmath>
+
+#include "procs/experiment/joints.h"
+
+namespace lab {
+namespace {
+
+std::string count_fault(const Action& action, size_t wanted) {
+  if (action.values.size() == wanted) return "";
+  return action.verb + " has " + std::to_string(action.values.size()) + " values, needed " + std::to_string(wanted);
+}
+
+std::string goal_fault(const rbd::Model& model, const Action& action) {
+  if (floats(model)) return "'" + model.name + "' floats; it takes no goals";
+  if (std::string fault = count_fault(action, model.nq); !fault.empty()) return fault + ", one for each joint";
+  for (int i = 0; i < model.nq; ++i) {
+    const double q = action.values[i], low = model.lowerPositionLimit[i], high = model.upperPositionLimit[i];
+    if (q < low || q > high)
+      return "goal of joint '" + joint_at(model, i) + "' is " + number(q) + ", its limits are " + number(low) + " .. " + number(high);
+  }
+  if (action.key == "duration") {
+    char* end = nullptr;
+    const double duration = std::strtod(action.text.c_str(), &end);
+    if (action.text.empty() || *end || !(duration >= 0) || !std::isfinite(duration)) return "duration '" + action.text + "' is no time in s";
+  }
+  return "";
+}
+
+std::string push_fault(const rbd::Model& model, const Action& action) {
+  if (!model.existFrame(action.target)) {
+    std::vector<std::string> names;
+    for (const rbd::Frame& frame : model.frames) names.push_back(frame.name);
+    return "no frame '" + action.target + "'" + did_you_mean(action.target, names);
+  }
+  if (std::string fault = count_fault(action, 7); !fault.empty()) return fault + ": torque, force, seconds";
+  if (!(action.values[6] > 0 && action.values[6] <= 60)) return "push for " + number(action.values[6]) + " s, needed more than 0 and at most 60";
+  return "";
+}
+
+std::string set_fault(const Experiment& e, const rbd::Model& model, const Action& action) {
+  if (action.target != "controller") return "'" + action.target + "' has nothing to set; the controller has kp and kd";
+  if (e.processes.contains("controller")) return "";  // somebody else's: it knows its own keys
+  if (action.key != "kp" && action.key != "kd")
+    return "the controller has no '" + action.key + "' to set" + did_you_mean(action.key, {"kp", "kd"}) + " (it has kp and kd)";
+  size_t joints = 0;
+  for (const rbd::JointModel& joint : model.joints) joints += joint.nv() == 1;
+  if (action.values.size() != 1 && action.values.size() != joints)
+    return action.key + " has " + std::to_string(action.values.size()) + " values, needed 1 or " + std::to_string(joints);
+  for (double value : action.values)
+    if (value < 0) return action.key + " is " + number(value) + ", must be at least 0";
+  return "";
+}
+
+}  // namespace
+
+std::string why_not(const Experiment& e, const rbd::Model& model, const Action& action) {
+  for (double value : action.values)
+    if (!std::isfinite(value)) return action.verb + ": a value is not finite";
+  if (action.verb == "goal") return goal_fault(model, action);
+  if (action.verb == "push") return push_fault(model, action);
+  if (action.verb == "set") return set_fault(e, model, action);
+  if (action.verb == "estop" || action.verb == "rearm") return "";
+  if (action.verb == "reset") return "a run cannot be reset; stop it and start another";
+  return "there is no action '" + action.verb + "'";
+}
+
+}  // namespace lab

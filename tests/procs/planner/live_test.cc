@@ -1,0 +1,148 @@
+// Goals and holding: references are continuous in position and velocity whatever happens, and end where they should.
+#include <gtest/gtest.h>
+#include <rbd/rbd.h>
+
+#include <cmath>
+
+#include "procs/planner/planner.h"
+
+namespace lab::planner {
+namespace {
+
+rbd::Model arm() {
+  rbd::Model model;
+  rbd::buildModels::manipulator(model);
+  return model;
+}
+Config moving() {
+  Experiment e;
+  e.simulator.duration = 100;
+  e.planner.kind = "sinusoid";
+  e.planner.amplitude.value = 0.3;
+  return make_config(e, arm());
+}
+
+/// A robot that follows perfectly unless it is held; checks that no reference jumps.
+struct Follower {
+  explicit Follower(Config c) : config(std::move(c)), state(initial(config)) { robot.q = config.q0, robot.v = Eigen::VectorXd::Zero(6); }
+  Reference next(bool held = false, std::vector<Action> actions = {}) {
+    const Output out = step(config, state, {.step = ++now, .actions = actions, .state = &robot, .held = held});
+    events.insert(events.end(), out.events.begin(), out.events.end());
+    if (last.q.size() > 0)
+      for (int i = 0; i < 6; ++i) {
+        const double reach = (std::abs(out.reference.v[i]) + std::abs(last.v[i]) + 1e-3) * config.dt;
+        EXPECT_LE(std::abs(out.reference.q[i] - (held || was_held ? robot.q[i] : last.q[i])), reach) << "step " << now << " joint " << i;
+      }
+    if (!held) robot.q = out.reference.q;
+    was_held = held;
+    last = out.reference;
+    return last;
+  }
+  Config config;
+  State state;
+  RobotState robot;
+  Reference last;
+  int64_t now = 0;
+  bool was_held = false;
+  std::vector<Event> events;
+};
+
+TEST(PlannerLive, AGoalBeginsAtTheCurrentReferenceAndEndsAtRest) {
+  Follower f(moving());
+  for (int k = 0; k < 777; ++k) f.next();
+  const Reference before = f.last;
+  const std::vector<double> goal{0.2, 0.4, -0.3, 0.1, 0.5, -0.2};
+  const Reference at = f.next(false, {{"goal", "", "", "", goal}});
+  EXPECT_TRUE(f.events.empty());
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(at.v[i], before.v[i] + before.a[i] * f.config.dt, 1e-5);
+    EXPECT_NEAR(at.a[i], before.a[i], 2e-2);
+  }
+  for (int k = 0; k < 20000; ++k) {
+    f.next();
+    for (int i = 0; i < 6; ++i) ASSERT_LE(std::abs(f.last.v[i]), f.config.v_max[i] * (1 + 1e-9));
+  }
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(f.last.q[i], goal[i], 1e-9);
+    EXPECT_EQ(f.last.v[i], 0);
+  }
+}
+
+TEST(PlannerLive, ADurationIsKept) {
+  Follower f(moving());
+  f.next();
+  const std::vector<double> goal{0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
+  f.next(false, {{"goal", "", "duration", "2", goal}});
+  for (int k = 0; k < 1990; ++k) f.next();
+  EXPECT_GT(std::abs(f.last.q[0] - 0.1), 1e-9);
+  for (int k = 0; k < 12; ++k) f.next();
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(f.last.q[i], 0.1, 1e-9);
+}
+
+TEST(PlannerLive, AWayThatIsTooFastIsRefusedAndChangesNothing) {
+  Follower f(moving()), g(moving());
+  for (int k = 0; k < 10; ++k) f.next(), g.next();
+  f.next(false, {{"goal", "", "duration", "0.001", {0.2, 0.4, -0.3, 0.1, 0.5, -0.2}}});
+  g.next();
+  ASSERT_EQ(f.events.size(), 1u);
+  EXPECT_EQ(f.events[0].what, "action_ignored");
+  EXPECT_EQ(f.last.q, g.last.q);
+}
+
+TEST(PlannerLive, HeldItStaysWithTheRobotAndThenGoesOnWithoutAJump) {
+  Follower f(moving());
+  for (int k = 0; k < 500; ++k) f.next();
+  f.robot.q += Eigen::VectorXd::Constant(6, 0.05);  // stopped somewhere else
+  for (int k = 0; k < 300; ++k) {
+    const Reference r = f.next(true);
+    EXPECT_EQ(r.q, f.robot.q);
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(r.v[i], 0);
+  }
+  const Reference r = f.next();
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(r.v[i], 0, 1e-9);
+  for (int k = 0; k < 5000; ++k) f.next();
+  EXPECT_GT(std::abs(f.last.v[0]) + std::abs(f.last.a[0]), 1e-3) << "it swings again";
+}
+
+// v is the derivative of q and a that of v through ramp and offset: central differences, error O(dt^2); where the ramp
+// begins and ends the jerk jumps by up to 30 rad/s^3, which a central difference of v sees as 30 dt / 4.
+TEST(PlannerLive, VelocityAndAccelerationAreTheDerivatives) {
+  Follower f(moving());
+  for (int k = 0; k < 100; ++k) f.next();
+  f.robot.q += Eigen::VectorXd::Constant(6, 0.02);
+  for (int k = 0; k < 50; ++k) f.next(true);
+  Reference r[3];
+  r[0] = f.next(), r[1] = f.next();
+  const double dt = f.config.dt;
+  for (int k = 0; k < 2000; ++k) {
+    r[2] = f.next();
+    for (int i = 0; i < 6; ++i) {
+      ASSERT_NEAR(r[1].v[i], (r[2].q[i] - r[0].q[i]) / (2 * dt), 2e-5) << k;
+      ASSERT_NEAR(r[1].a[i], (r[2].v[i] - r[0].v[i]) / (2 * dt), 8e-3) << k;
+    }
+    r[0] = r[1], r[1] = r[2];
+  }
+}
+
+TEST(PlannerLive, AStopByAPersonHoldsInLockstepToo) {
+  Follower f(moving());
+  for (int k = 0; k < 200; ++k) f.next();
+  f.was_held = true;
+  const Reference stopped = f.next(false, {{"estop", "", "", "", {}}});
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(stopped.v[i], 0);
+  f.was_held = true;
+  const Reference again = f.next(false, {{"rearm", "", "", "", {}}});
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(again.q[i], stopped.q[i], 1e-9);
+}
+
+TEST(PlannerLive, WhoJoinsARunUnderWayStartsFromTheRobot) {
+  Follower f(moving());
+  f.now = 12345;
+  f.robot.q = Eigen::VectorXd::Constant(6, 0.1);
+  EXPECT_EQ(f.next().q, f.robot.q);
+  for (int k = 0; k < 5000; ++k) f.next();
+  EXPECT_LT(f.last.q.norm(), 10);
+}
+
+}  // namespace
+}  // namespace lab::planner

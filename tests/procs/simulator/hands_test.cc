@@ -1,0 +1,101 @@
+// What people and faults do to the simulated robot: pushes by virtual work, holding, speed limits.
+#include <gtest/gtest.h>
+#include <rbd/rbd.h>
+
+#include <cmath>
+
+#include "procs/simulator/simulator.h"
+
+namespace lab::simulator {
+namespace {
+
+Experiment live() {
+  Experiment e;
+  e.simulator.clock = "realtime";
+  e.simulator.q0.value = std::vector<double>{0.3, 0.8, -0.5, 0.4, 0.6, 0.2};
+  return e;
+}
+rbd::Model arm() {
+  rbd::Model model;
+  rbd::buildModels::manipulator(model);
+  return model;
+}
+
+TEST(Hands, APushDoesTheWorkOfItsWrench) {
+  Experiment e = live();
+  e.simulator.clock = "lockstep", e.simulator.integrator = "rk4", e.simulator.dt = 1e-4;
+  rbd::Model model = arm();
+  model.gravity = rbd::Motion::Zero();
+  const Config config = make_config(e, model);
+  State state = initial(config);
+  rbd::Data data(config.model);
+  const auto frame = config.model.frameId("effector_body");
+  const Eigen::Vector3d force(3, -2, 5);
+  const std::vector<Action> push{{"push", "effector_body", "", "", {0, 0, 0, force[0], force[1], force[2], 0.05}}};
+  rbd::framesForwardKinematics(config.model, data, state.robot.q);
+  const Eigen::Vector3d before = data.oMf[frame].translation();
+  for (int k = 0; k < 500; ++k) EXPECT_TRUE(step(config, state, {.actions = k == 0 ? push : std::vector<Action>{}}).events.empty());
+  EXPECT_TRUE(state.pushes.empty()) << "0.05 s are over";
+  rbd::framesForwardKinematics(config.model, data, state.robot.q);
+  const double work = force.dot(data.oMf[frame].translation() - before);
+  const auto kinetic = [&] {  // with the rotors' armature
+    const Eigen::MatrixXd M = rbd::crba(config.model, data, state.robot.q);
+    return 0.5 * state.robot.v.dot(M * state.robot.v);
+  };
+  const double energy = kinetic();
+  ASSERT_GT(energy, 1e-4);
+  EXPECT_NEAR(energy, work, 1e-9 * energy + 1e-12);  // fourth order at dt 1e-4
+  for (int k = 0; k < 100; ++k) step(config, state, {});
+  EXPECT_NEAR(kinetic(), energy, 1e-9) << "the push is over";
+}
+
+TEST(Hands, HoldingBringsTheRobotToRestAndKeepsItThere) {
+  const Config config = make_config(live(), arm());
+  State state = initial(config);
+  state.robot.v = Eigen::VectorXd::Constant(6, 0.5);
+  for (int k = 0; k < 3000; ++k) {
+    const Output out = step(config, state, {});
+    EXPECT_EQ(out.mode, safety::Mode::Waiting);
+    for (int i = 0; i < 6; ++i) ASSERT_LE(std::abs(out.state.tau[i]), config.model.effortLimit[i]);
+  }
+  const Eigen::VectorXd q = state.robot.q;
+  for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(state.robot.v[i]), 1e-6);
+  for (int k = 0; k < 1000; ++k) step(config, state, {});
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(state.robot.q[i], q[i], 1e-6);
+}
+
+TEST(Hands, WhateverTheControllerWantsSpeedAndEffortStayInsideTheirLimits) {
+  rbd::Model model = arm();
+  for (int i = 0; i < 6; ++i) model.velocityLimit[i] = 2;
+  const Config config = make_config(live(), model);
+  State state = initial(config);
+  int holding = 0, running = 0;
+  for (int k = 0; k < 5000; ++k) {
+    const Command command{.tau = Eigen::VectorXd::Constant(6, k / 700 % 2 ? 1e6 : -1e6), .state_step = k};
+    const Output out = step(config, state, {.command = &command});
+    ASSERT_FALSE(out.abort);
+    (out.mode == safety::Mode::Running ? running : holding)++;
+    for (int i = 0; i < 6; ++i) {
+      ASSERT_LE(std::abs(out.state.v[i]), 2.0) << "step " << k << " joint " << i;
+      ASSERT_LE(std::abs(out.state.tau[i]), model.effortLimit[i]);
+    }
+  }
+  EXPECT_GT(holding, 0) << "the guard had to step in";
+  EXPECT_GT(running, 0) << "and let go again";
+}
+
+TEST(Hands, AnEmergencyStopInLockstepLeavesTheCommandAside) {
+  Experiment e = live();
+  e.simulator.clock = "lockstep";
+  const Config config = make_config(e, arm());
+  State state = initial(config);
+  const Command command{.tau = Eigen::VectorXd::Constant(6, 5.0)};
+  EXPECT_EQ(step(config, state, {.command = &command}).state.tau, command.tau);
+  const std::vector<Action> estop{{"estop", "", "", "", {}}}, rearm{{"rearm", "", "", "", {}}};
+  EXPECT_EQ(step(config, state, {.command = &command, .actions = estop}).mode, safety::Mode::Stopped);
+  EXPECT_NE(step(config, state, {.command = &command}).state.tau, command.tau);
+  EXPECT_EQ(step(config, state, {.command = &command, .actions = rearm}).state.tau, command.tau);
+}
+
+}  // namespace
+}  // namespace lab::simulator
