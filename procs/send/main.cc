@@ -1,0 +1,193 @@
+// lab-send: one request to the simulator, and what it answered.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <lab/need_t.hpp>
+#include <lab/reference_t.hpp>
+#include <lab/request_t.hpp>
+#include <lab/run_t.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "procs/run/shell.h"
+#include "procs/send/send.h"
+#include "procs/wire/bus.h"
+#include "procs/wire/codec.h"
+#include "procs/wire/convert.h"
+#include "procs/wire/participant.h"
+
+namespace lab::send {
+namespace {
+
+volatile sig_atomic_t interrupted = 0;
+
+struct Options {
+  std::string url, prefix, run;
+  double timeout = 5;
+  bool as_json = false;
+};
+
+std::string sender() {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  return fmt::format("lab-send@{}:{}:{}", host, getpid(), wall_now());
+}
+
+/// The lab's bus as a guest: hears what it asks for, guarded.
+class Guest {
+ public:
+  explicit Guest(const Options& options) : options_(options), guard_(options.prefix), until_(monotonic_now() + static_cast<Micros>(options.timeout * 1e6)) {
+    BusOptions bus;
+    for (Channel channel : {Channel::Reply, Channel::Run, Channel::Reference}) bus.channels.push_back(wire_name(channel, options.prefix));
+    bus_ = open_bus(options.url, bus);
+    if (!options.run.empty()) guard_.set_run(run_ = static_cast<int64_t>(std::stoull(options.run, nullptr, 16)));
+  }
+  int64_t run() const { return run_; }
+
+  /// Sends what `message` makes every 100 ms until `take` is content with something heard; false when the time is over.
+  bool ask(Channel channel, const Bytes& message, const std::function<bool(Channel, std::span<const uint8_t>)>& take) {
+    bool content = false;
+    Micros next = 0;
+    while (!content && !interrupted) {
+      const Micros now = monotonic_now();
+      if (now >= until_) return false;
+      if (now >= next) next = now + kRepeat, bus_->publish(wire_name(channel, options_.prefix), message);
+      bus_->poll(std::min(next, until_) - now, [&](const Datagram& datagram) {
+        const auto heard = channel_of(datagram.channel, options_.prefix);
+        if (!content && heard && guard_.check(*heard, datagram.data)) content = take(*heard, datagram.data);
+      }, kNoSpin);
+    }
+    return content;
+  }
+
+ private:
+  const Options& options_;
+  Guard guard_;
+  Micros until_;
+  int64_t run_ = 0;
+  std::unique_ptr<Bus> bus_;
+};
+
+/// Names of the joints, and the reference they have now.
+bool learn(Guest& guest, std::vector<std::string>& joints, std::vector<double>& current) {
+  need_t need{};
+  need.run = guest.run(), need.step = kBeforeStart, need.process = kSimulator, need.sender = "lab-send";
+  int64_t run = 0;
+  return guest.ask(Channel::Need, encode(need), [&](Channel channel, std::span<const uint8_t> bytes) {
+    if (channel == Channel::Run) {
+      const auto message = decode<run_t>(bytes);
+      joints = message.joint_names, run = message.run;
+    } else if (channel == Channel::Reference && run != 0) {
+      const auto message = decode<reference_t>(bytes);
+      if (message.run == run) current = message.q;
+    }
+    return !joints.empty() && !current.empty();
+  });
+}
+
+int request(Guest& guest, const Options& options, const Action& action) {
+  request_t message{};
+  message.run = guest.run(), message.step = -1, message.utime = wall_now();
+  message.sender = sender(), message.id = 1, message.action = to_message(action);
+  std::optional<reply_t> reply;
+  guest.ask(Channel::Request, encode(message), [&](Channel channel, std::span<const uint8_t> bytes) {
+    if (channel != Channel::Reply) return false;
+    auto heard = decode<reply_t>(bytes);
+    if (heard.sender != message.sender || heard.id != message.id) return false;
+    reply = std::move(heard);
+    return true;
+  });
+  if (interrupted) return 128 + interrupted;
+  if (!reply) {
+    if (options.as_json) fmt::print("{}\n", nlohmann::ordered_json{{"verb", action.verb}, {"confirmed", false}}.dump());
+    fmt::print(stderr, "lab-send: {} unconfirmed: no answer in {:g} s; see the log\n", action.verb, options.timeout);
+    return kTransport;
+  }
+  if (options.as_json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"verb", action.verb}, {"confirmed", true}, {"ok", reply->ok != 0}, {"reason", reply->reason},
+                                              {"step", reply->step}, {"run", fmt::format("{:016x}", static_cast<uint64_t>(reply->run))}}.dump());
+  else if (reply->ok) fmt::print("{}\n", told(action, *reply));
+  if (!reply->ok) fmt::print(stderr, "lab-send: {}\n", told(action, *reply));
+  return reply->ok ? kOk : kTransport;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Asks the simulator of a running lab for something, and says what it answered."};
+  app.require_subcommand(1);
+  app.footer("Exit codes: 0 done, 2 usage, 7 refused or not confirmed.\nExample: lab-send goal 0.1 -0.4 0.8 0 0.2 0 --duration 2");
+  Options options;
+  app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
+  app.add_option("--run", options.run, "only this run (hexadecimal), where several are on the bus")
+      ->check([](const std::string& word) { return !word.empty() && word.size() <= 16 && word.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos ? "" : "not a hexadecimal number"; });
+  app.add_option("--timeout", options.timeout, "s to wait for the answer")->check(CLI::PositiveNumber);
+  app.add_flag("--json", options.as_json, "print JSON");
+  app.fallthrough();
+
+  std::vector<std::string> words;
+  std::string target, assignment;
+  double duration = 0, seconds = 0.1;
+  int64_t count = 1;
+  const auto verb = [&](const char* name, const char* what, const char* example) {
+    CLI::App* sub = app.add_subcommand(name, what);
+    sub->footer(std::string("Example: lab-send ") + example);
+    return sub;
+  };
+  CLI::App* goal_verb = verb("goal", "Moves the reference to a configuration, from where it is, without a jump.", "goal elbow=0.5 --duration 2");
+  goal_verb->add_option("q", words, "a number for every joint (rad, m), or JOINT=VALUE for some")->required()->allow_extra_args();
+  goal_verb->add_option("--duration", duration, "s (default: as fast as half the speed limits allow)");
+  CLI::App* set_verb = verb("set", "Changes a value of a process while it runs.", "set controller kp=80");
+  set_verb->add_option("process", target, "such as controller")->required();
+  set_verb->add_option("assignment", assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")->required();
+  CLI::App* push_verb = verb("push", "Pushes a frame with a force (N) and a torque (Nm) in world axes.", "push effector_body 20 0 0 --for 0.2");
+  push_verb->add_option("frame", target, "of the robot")->required();
+  push_verb->add_option("wrench", words, "FX FY FZ [NX NY NZ]")->required()->allow_extra_args();
+  push_verb->add_option("--for", seconds, "s (default 0.1)");
+  verb("estop", "Emergency stop: the robot is held until rearm.", "estop");
+  verb("rearm", "Lets the controller drive again.", "rearm");
+  verb("pause", "Freezes time.", "pause");
+  verb("resume", "Lets time go on.", "resume");
+  verb("reset", "Starts the run anew (refused: stop it and start another).", "reset");
+  CLI::App* step_verb = verb("step", "Takes some steps while paused.", "step 10");
+  step_verb->add_option("count", count, "steps (default 1)");
+  for (CLI::App* sub : {goal_verb, push_verb, step_verb}) sub->positionals_at_end(false);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kOk : kUsage;
+  }
+  struct sigaction action {};
+  action.sa_handler = [](int number) { interrupted = number; };
+  sigaction(SIGINT, &action, nullptr), sigaction(SIGTERM, &action, nullptr);
+
+  return guarded_main("lab-send", [&] {
+    try {
+      const std::string name = app.get_subcommands().front()->get_name();
+      Guest guest(options);
+      if (name == "goal" && names_joints(words)) {
+        std::vector<std::string> joints;
+        std::vector<double> current;
+        if (!learn(guest, joints, current)) {
+          fmt::print(stderr, "lab-send: no simulator answers in {:g} s; is a lab running here?\n", options.timeout);
+          return int{kTransport};
+        }
+        return request(guest, options, goal(words, duration, joints, current));
+      }
+      if (name == "goal") return request(guest, options, goal(words, duration));
+      if (name == "set") return request(guest, options, set(target, assignment));
+      if (name == "push") return request(guest, options, push(target, words, seconds));
+      if (name == "step") return request(guest, options, steps(count));
+      return request(guest, options, plain(name));
+    } catch (const UsageError& error) {
+      fmt::print(stderr, "lab-send: {}\n", error.what());
+      return int{kUsage};
+    }
+  });
+}
+
+}  // namespace
+}  // namespace lab::send
+
+int main(int argc, char** argv) { return lab::send::run(argc, argv); }

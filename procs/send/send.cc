@@ -1,0 +1,103 @@
+#include "procs/send/send.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "procs/experiment/experiment.h"
+
+namespace lab::send {
+namespace {
+
+bool is_number(const std::string& word, double& value) {
+  char* end = nullptr;
+  value = std::strtod(word.c_str(), &end);
+  return !word.empty() && *end == '\0';
+}
+
+double number_of(const std::string& word, const std::string& what) {
+  double value = 0;
+  if (!is_number(word, value)) throw UsageError(fmt::format("{}: '{}' is not a number", what, word));
+  if (!std::isfinite(value)) throw UsageError(fmt::format("{}: {} is not finite", what, word));
+  return value;
+}
+
+Action with_duration(double duration) {
+  Action action{"goal", "", "", "", {}};
+  if (duration < 0 || !std::isfinite(duration)) throw UsageError(fmt::format("--duration: {} is no time in s", duration));
+  if (duration > 0) action.key = "duration", action.text = number(duration);
+  return action;
+}
+
+}  // namespace
+
+bool names_joints(std::span<const std::string> words) {
+  return std::any_of(words.begin(), words.end(), [](const std::string& word) { return word.find('=') != std::string::npos; });
+}
+
+Action goal(std::span<const std::string> words, double duration) {
+  Action action = with_duration(duration);
+  for (const std::string& word : words) action.values.push_back(number_of(word, "goal"));
+  return action;
+}
+
+Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current) {
+  Action action = with_duration(duration);
+  if (joints.size() != current.size()) throw UsageError("goal: this robot's configuration has other parts than joints; give all of its numbers");
+  action.values = current;
+  for (const std::string& word : words) {
+    const size_t equals = word.find('=');
+    if (equals == std::string::npos) throw UsageError(fmt::format("goal: '{}': either all numbers or JOINT=VALUE", word));
+    const std::string joint = word.substr(0, equals);
+    const auto place = std::find(joints.begin(), joints.end(), joint);
+    if (place == joints.end()) throw UsageError(fmt::format("goal: the robot has no joint '{}'{}", joint, did_you_mean(joint, joints)));
+    action.values[static_cast<size_t>(place - joints.begin())] = number_of(word.substr(equals + 1), "goal: " + joint);
+  }
+  return action;
+}
+
+Action set(const std::string& process, const std::string& assignment) {
+  const size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0) throw UsageError(fmt::format("set: '{}' must look like kp=80", assignment));
+  Action action{"set", process, assignment.substr(0, equals), "", {}};
+  std::string rest = assignment.substr(equals + 1);
+  double value = 0;
+  if (!is_number(rest.substr(0, rest.find(',')), value)) {
+    if (rest.empty()) throw UsageError(fmt::format("set: '{}' has no value", assignment));
+    action.text = rest;
+    return action;
+  }
+  for (size_t comma = 0; comma != std::string::npos; rest = comma == std::string::npos ? "" : rest.substr(comma + 1)) {
+    comma = rest.find(',');
+    action.values.push_back(number_of(rest.substr(0, comma), "set: " + action.key));
+  }
+  return action;
+}
+
+Action push(const std::string& frame, std::span<const std::string> words, double seconds) {
+  if (words.size() != 3 && words.size() != 6) throw UsageError(fmt::format("push: has {} numbers, needed 3 (force, N) or 6 (force and torque, Nm)", words.size()));
+  if (!(seconds > 0) || !std::isfinite(seconds)) throw UsageError(fmt::format("--for: {} is no time in s", seconds));
+  std::vector<double> x;
+  for (const std::string& word : words) x.push_back(number_of(word, "push"));
+  x.resize(6, 0);
+  return {"push", frame, "", "", {x[3], x[4], x[5], x[0], x[1], x[2], seconds}};
+}
+
+Action plain(const std::string& verb) { return {verb, "", "", "", {}}; }
+
+Action steps(int64_t count) {
+  if (count < 1) throw UsageError(fmt::format("step: {} is not a count", count));
+  return {"step", "", "", "", {static_cast<double>(count)}};
+}
+
+std::string told(const Action& action, const reply_t& reply) {
+  if (!reply.ok) return fmt::format("{} refused: {}", action.verb, reply.reason);
+  if (action.verb == "pause") return fmt::format("paused before step {}", reply.step);
+  if (action.verb == "resume") return fmt::format("goes on with step {}", reply.step);
+  if (action.verb == "step") return fmt::format("{} steps from step {}", action.values[0], reply.step);
+  return fmt::format("{} accepted, from step {}", action.verb, reply.step);
+}
+
+}  // namespace lab::send

@@ -1,0 +1,39 @@
+#pragma once
+#include <lab/reply_t.hpp>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "procs/signals/signals.h"
+
+/// What a person types, as an action; and what came of it, in words.
+namespace lab::send {
+
+/// One clear line about what was typed.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What the words mean: numbers for all joints in model order, or JOINT=VALUE for some.
+bool names_joints(std::span<const std::string> words);
+
+/// `goal`: a configuration; `duration` in s, 0 = as fast as half the speed limits allow. With names, the others keep
+/// their value in `current`. Throws UsageError.
+Action goal(std::span<const std::string> words, double duration);
+Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current);
+
+/// `set PROC KEY=VALUE[,VALUE..]`; a word that is no number goes into text.
+Action set(const std::string& process, const std::string& assignment);
+
+/// `push FRAME FX FY FZ [NX NY NZ]` in N and Nm, for some seconds.
+Action push(const std::string& frame, std::span<const std::string> words, double seconds);
+
+/// `pause`, `resume`, `estop`, `rearm`, `reset`; `step` with a count.
+Action plain(const std::string& verb);
+Action steps(int64_t count);
+
+/// "goal accepted from step 1234".
+std::string told(const Action& action, const reply_t& reply);
+
+}  // namespace lab::send

@@ -1,0 +1,147 @@
+"""Hands on a running robot: requests in both clocks, and what the watchdog does when its controller is killed."""
+import json
+import os
+import signal
+import subprocess
+
+import pytest
+
+import labrun as lab
+
+SEND = str(lab.BUILD / "bin" / "lab-send")
+# Without the pause the controller is back before the watchdog notices that it was gone.
+LIVE = """
+robot: {{model: "builtin:manipulator"}}
+simulator: {{clock: realtime, dt: 0.001, duration: {duration}}}
+planner: {{kind: sinusoid, amplitude: 0.3}}
+controller: {{kind: computed_torque, kp: 100, kd: 20}}
+renderer: {{enabled: false}}
+processes: {{controller: "while :; do {controller} --run-dir {{run_dir}}; sleep 0.1; done"}}
+"""
+
+
+def send(run, *words):
+    """lab-send on the private bus of a run."""
+    pid = str(run.pid("simulator"))
+    enter = ["nsenter", "-t", pid, "-n"] if os.geteuid() == 0 else ["nsenter", "-t", pid, "-U", "-n", "--preserve-credentials"]
+    url = "udpm://239.255.76.67:7667?ttl=0"
+    return subprocess.run([*enter, "env", "LCM_DEFAULT_URL=" + url, SEND, *words], capture_output=True, text=True, timeout=lab.DEADLINE)
+
+
+def ok(done):
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(autouse=True)
+def namespaces_or_skip():
+    works = subprocess.run(["unshare", "-n", "true"] if os.geteuid() == 0 else ["unshare", "-Urn", "true"], capture_output=True)
+    if works.returncode != 0:
+        pytest.skip("no network namespaces here: a run has a port of its own, which a stranger cannot know")
+
+
+def frozen_at(run):
+    """The newest step, once two looks agree while PROCESS messages go on."""
+    seen = run.step()
+    size = os.path.getsize(run.folder / "telemetry.lcm.part")
+    lab.until(lambda: os.path.getsize(run.folder / "telemetry.lcm.part") > size, "more telemetry")
+    return seen if run.step() == seen else None
+
+
+def test_pause_step_resume_and_live_gains_in_lockstep(tmp_path):
+    file = lab.experiment(tmp_path, dt=0.001, duration=600)
+    with lab.Running(file, tmp_path / "run") as run:
+        run.wait_for_step(100)
+        paused = json.loads(ok(send(run, "pause", "--json")))
+        step = paused["step"] - 1
+        assert lab.until(lambda: frozen_at(run), "the run to stand still") <= step
+        assert json.loads(ok(send(run, "step", "5", "--json")))["step"] == step + 1
+        assert json.loads(ok(send(run, "pause", "--json")))["step"] == step + 6, "five steps, not one more"
+        assert "accepted, from step" in ok(send(run, "set", "controller", "kp=80"))
+        for words, why in [(["set", "controller", "kq=1"], "has no 'kq'"), (["set", "controller", "kp=1,2"], "needed 1 or 3"),
+                           (["goal", "1", "2"], "needed 3"), (["goal", "100", "0", "0"], "its limits are"),
+                           (["push", "nowhere", "1", "2", "3"], "no frame 'nowhere'")]:
+            done = send(run, *words)
+            assert done.returncode == 7 and why in done.stderr, done.stderr
+        done = send(run, "goal", "1", "x", "2")
+        assert done.returncode == 2 and "'x' is not a number" in done.stderr
+        ok(send(run, "resume"))
+        run.wait_for_step(step + 500)
+        run.process.send_signal(signal.SIGINT)
+        assert run.finish().returncode == 130
+    inputs = [data for channel, data in lab.events(run.folder / "log.lcm") if channel == "INPUT"]
+    assert len(inputs) == 1 and lab.header(inputs[0])[2] == step + 6
+
+
+def test_nobody_answers(tmp_path):
+    done = subprocess.run([lab.ISOLATE, SEND, "--timeout", "0.5", "estop"], env=lab.environment(), capture_output=True, text=True, timeout=30)
+    assert done.returncode == 7 and "unconfirmed" in done.stderr
+
+
+def check_log(folder, tmp_path, timeout=0.02):
+    """Reads nothing but the log: speed, effort, and how long after the last command the robot was held."""
+    types = lab.generated_types(tmp_path)
+    last_command, held, ran = None, 0, 0
+    state_time, speed, effort = {}, 0.0, 0.0
+    for channel, data in lab.events(folder / "log.lcm"):
+        if channel == "ROBOT_STATE":
+            state = types.robot_state_t.decode(data)
+            state_time[state.step] = state.utime
+            speed, effort = max(speed, *map(abs, state.v)), max(effort, *map(abs, state.tau))
+        elif channel == "COMMAND":
+            last_command = types.command_t.decode(data).state_step
+        elif channel == "EVENT":
+            event = types.event_t.decode(data)
+            if event.what == "holding":
+                held += 1
+                used = int(event.why.rsplit(" ", 1)[1])
+                assert event.utime - state_time[used] <= timeout * 1e6, event.why
+            ran += event.what == "running"
+    assert last_command is not None
+    return held, ran, speed, effort
+
+
+def test_killed_controllers_are_survived(tmp_path):
+    kills = int(os.environ.get("LAB_TEST_KILLS", 8))
+    file = tmp_path / "live.yaml"
+    file.write_text(LIVE.format(duration=600, controller=lab.BUILD / "bin" / "lab-controller") + "")
+    with lab.Running(str(file), tmp_path / "run") as run:
+        run.wait_for_step(300)
+        for _ in range(kills):
+            before = run.step()
+            os.kill(run.pid("controller"), signal.SIGKILL)
+            # not before it runs again: the next kill shall be another one
+            def runs_again():
+                seen = [e for e in events_of(run, tmp_path) if e.step > before]
+                return any(e.what == "holding" for e in seen) and seen[-1].what == "running"
+            lab.until(runs_again, "held and running again")
+        run.process.send_signal(signal.SIGINT)
+        assert run.finish().returncode == 130
+    held, ran, speed, effort = check_log(run.folder, tmp_path)
+    assert held >= kills and ran >= kills
+    assert speed < 3.15 and effort <= 150
+
+
+def events_of(run, tmp_path):
+    types = lab.generated_types(tmp_path)
+    return [types.event_t.decode(data) for channel, data in lab.events(run.folder / "log.lcm.part") if channel == "EVENT"]
+
+
+def test_goal_push_and_stop_in_real_time(tmp_path):
+    file = tmp_path / "live.yaml"
+    file.write_text(LIVE.format(duration=600, controller=lab.BUILD / "bin" / "lab-controller"))
+    goal = [0.2, 0.4, -0.3, 0.1, 0.5, -0.2]
+    with lab.Running(str(file), tmp_path / "run", "--set", "planner.kind=hold") as run:
+        run.wait_for_step(200)
+        ok(send(run, "goal", *map(str, goal), "--duration", "1"))
+        ok(send(run, "push", "effector_body", "10", "0", "0", "--for", "0.2"))
+        step = json.loads(ok(send(run, "estop", "--json")))["step"]
+        ok(send(run, "rearm"))
+        run.wait_for_step(step + 2500)
+        run.process.send_signal(signal.SIGINT)
+        assert run.finish().returncode == 130
+    types = lab.generated_types(tmp_path)
+    states = [types.robot_state_t.decode(d) for c, d in lab.events(run.folder / "log.lcm") if c == "ROBOT_STATE"]
+    events = [types.event_t.decode(d).what for c, d in lab.events(run.folder / "log.lcm") if c == "EVENT"]
+    assert max(abs(a - b) for a, b in zip(states[-1].q, goal)) < 2e-3
+    assert [e for e in events if e in ("estop", "rearm")] == ["estop", "rearm"] and events[-1] == "running"
