@@ -21,7 +21,7 @@ enum Exit { kOk = 0, kFailed = 1, kUsage = 2, kBadConfig = 3 };
 
 struct Options {
   std::vector<std::string> files, set, exits;
-  std::string file, out, run_dir = ".";
+  std::string file, out, run_dir = ".", restart = "never";
   Launch launch;
   bool as_json = false;
 };
@@ -76,7 +76,7 @@ int resolve_file(const Options& options) {
 }
 
 int list_processes(const Options& options) {
-  std::cout << procfile(load_experiment(options.file, options.set), options.run_dir);
+  std::cout << procfile(load_experiment(options.file, options.set), options.run_dir, options.restart);
   return kOk;
 }
 
@@ -184,6 +184,9 @@ int run(int argc, char** argv) {
   CLI::App* processes = app.add_subcommand("processes", "Prints the Procfile of an experiment.");
   file(processes), set(processes);
   processes->add_option("--run-dir", o.run_dir, "folder of the run; it holds experiment.yaml")
+      ->capture_default_str();
+  processes->add_option("--restart", o.restart, "policy of all but the simulator")
+      ->check(CLI::IsMember({"never", "on-failure", "always"}))
       ->capture_default_str();
   processes->footer("Example: lab-experiment processes runs/latest/experiment.yaml --run-dir runs/latest");
 

@@ -21,7 +21,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 }  // namespace
 
-std::string procfile(const Experiment& e, const std::string& run_dir) {
+std::string procfile(const Experiment& e, const std::string& run_dir, const std::string& restart) {
   const std::string dir = quoted(run_dir);
   std::string out;
   std::map<std::string, std::string> own = e.processes;
@@ -31,7 +31,7 @@ std::string procfile(const Experiment& e, const std::string& run_dir) {
       command = replaced(it->second, "{run_dir}", dir), own.erase(it);
     if (e.faults.drop > 0)
       command = "env LAB_FAULT_DROP=" + number(e.faults.drop) + "," + std::to_string(e.seed) + " " + command;
-    out += "#lab: " + name + " required=" + (required ? "yes" : "no") + " restart=never\n" + name + ": " +
+    out += "#lab: " + name + " required=" + (required ? "yes" : "no") + " restart=" + (name == "simulator" ? "never" : restart) + "\n" + name + ": " +
            command + "\n";
   };
   add("simulator", "lab-simulator --experiment " + quoted(run_dir + "/experiment.yaml") + " --run-dir " + dir,

@@ -1,0 +1,249 @@
+// lab-spy: what is said on a bus, decoded at run time.
+#include <fmt/format.h>
+#include <fnmatch.h>
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <lab/process_t.hpp>
+#include <lab/type_t.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "procs/run/shell.h"
+#include "procs/spy/types.h"
+#include "procs/wire/bus.h"
+#include "procs/wire/codec.h"
+#include "procs/wire/participant.h"
+
+namespace lab::spy {
+namespace {
+
+using nlohmann::ordered_json;
+volatile sig_atomic_t interrupted = 0;
+
+struct Options {
+  std::string url, types, channel;
+  std::vector<std::string> fields;
+  double seconds = 1, timeout = 0;
+  int64_t count = 0;
+  bool as_json = false, once = false;
+};
+
+/// Calls `heard` for every message for that long (us; negative = until interrupted), or until it returns false.
+void listen(Bus& bus, Micros span, const std::function<bool(const Datagram&)>& heard) {
+  const Micros until = monotonic_now() + span;
+  for (bool go = true; go && !interrupted;) {
+    const Micros left = span < 0 ? kRepeat : until - monotonic_now();
+    if (left <= 0) return;
+    bus.poll(std::min(left, kRepeat), [&](const Datagram& datagram) { go = go && heard(datagram); }, kNoSpin);
+  }
+}
+
+void learn_from(Types& types, const Datagram& datagram) {
+  const Type* type = types.of(datagram.channel, datagram.data);
+  if (type && type->name == "lab.type_t" && types.schema().check(*type, datagram.data).empty()) types.learn(decode<type_t>(datagram.data).source);
+}
+
+std::string type_name(const Types& types, const Datagram& datagram) {
+  const Type* type = types.of(datagram.channel, datagram.data);
+  return type ? type->name : fmt::format("? {:016x}", static_cast<uint64_t>(fingerprint(datagram.data)));
+}
+
+// ---- list and hz --------------------------------------------------------------------------------------------
+
+struct Seen {
+  std::string type;
+  std::vector<Micros> times;
+  int64_t bytes = 0, lost = 0;
+  std::set<uint64_t> senders;
+};
+
+int list(const Options& options) {
+  const auto bus = open_bus(options.url);
+  Types types(options.types);
+  std::map<std::string, Seen> channels;
+  const Micros began = monotonic_now();
+  listen(*bus, std::llround(options.seconds * 1e6), [&](const Datagram& datagram) {
+    learn_from(types, datagram);
+    if (!options.channel.empty() && fnmatch(options.channel.c_str(), std::string(datagram.channel).c_str(), 0) != 0) return true;
+    Seen& seen = channels[std::string(datagram.channel)];
+    seen.type = type_name(types, datagram);
+    seen.times.push_back(monotonic_now());
+    seen.bytes += static_cast<int64_t>(datagram.data.size()), seen.lost += datagram.lost_before, seen.senders.insert(datagram.sender);
+    return true;
+  });
+  const double span = static_cast<double>(monotonic_now() - began) * 1e-6;
+  ordered_json all = ordered_json::array();
+  if (!options.as_json) fmt::print("{:<24} {:<22} {:>8} {:>9} {:>10} {:>10} {:>10} {:>7} {:>5}\n", "channel", "type", "count", "hz", "bytes/s", "min ms", "max ms", "senders", "lost");
+  for (const auto& [name, seen] : channels) {
+    Micros least = 0, most = 0;
+    for (size_t i = 1; i < seen.times.size(); ++i) {
+      const Micros gap = seen.times[i] - seen.times[i - 1];
+      least = i == 1 ? gap : std::min(least, gap), most = std::max(most, gap);
+    }
+    const auto n = static_cast<double>(seen.times.size());
+    const double hz = seen.times.size() > 1 ? (n - 1) / (static_cast<double>(seen.times.back() - seen.times.front()) * 1e-6) : n / span;
+    const double rate = static_cast<double>(seen.bytes) / span;
+    if (options.as_json)
+      all.push_back({{"channel", name}, {"type", seen.type}, {"count", seen.times.size()}, {"hz", hz}, {"bytes_per_s", rate}, {"period_min_ms", static_cast<double>(least) * 1e-3},
+                     {"period_max_ms", static_cast<double>(most) * 1e-3}, {"senders", seen.senders.size()}, {"lost", seen.lost}});
+    else
+      fmt::print("{:<24} {:<22} {:>8} {:>9.1f} {:>10.0f} {:>10.3f} {:>10.3f} {:>7} {:>5}\n", name, seen.type, seen.times.size(), hz, rate, static_cast<double>(least) * 1e-3,
+                 static_cast<double>(most) * 1e-3, seen.senders.size(), seen.lost);
+  }
+  if (options.as_json) fmt::print("{}\n", all.dump(2));
+  return interrupted ? 128 + interrupted : kOk;
+}
+
+// ---- echo ---------------------------------------------------------------------------------------------------
+
+std::string head_of(std::span<const uint8_t> bytes) {
+  std::string hex;
+  for (size_t i = 0; i < std::min<size_t>(bytes.size(), 24); ++i) hex += fmt::format("{:02x}", bytes[i]);
+  return hex + (bytes.size() > 24 ? ".." : "");
+}
+
+struct NoField : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+void show(const Options& options, const Types& types, const Datagram& datagram) {
+  const Type* type = types.of(datagram.channel, datagram.data);
+  const std::string fault = type ? types.schema().check(*type, datagram.data, {.finite = false, .text = false}) : "unknown type " + type_name(types, datagram);
+  if (!fault.empty()) {
+    if (options.as_json) fmt::print("{}\n", ordered_json{{"channel", datagram.channel}, {"size", datagram.data.size()}, {"error", fault}, {"head", head_of(datagram.data)}}.dump());
+    else fmt::print("{} ({} bytes): {}: {}\n", datagram.channel, datagram.data.size(), fault, head_of(datagram.data));
+    return;
+  }
+  const Value value = types.schema().decode(*type, datagram.data);
+  if (!options.fields.empty()) {
+    std::string line;
+    ordered_json found;
+    for (const std::string& field : options.fields) {
+      const Value* part = value.at(field);
+      if (!part) throw NoField(fmt::format("{} has no '{}'; it has {}", type->name, field, [&] {
+        std::string names;
+        for (const Field& f : type->fields) names += (names.empty() ? "" : " ") + f.name;
+        return names;
+      }()));
+      found[field] = to_json(*part);
+      line += (line.empty() ? "" : " ") + to_json(*part).dump();
+    }
+    fmt::print("{}\n", options.as_json ? found.dump() : line);
+  } else if (options.as_json) {
+    fmt::print("{}\n", ordered_json{{"channel", datagram.channel}, {"type", type->name}, {"size", datagram.data.size()}, {"utime_wall", wall_now()}, {"message", to_json(value)}}.dump());
+  } else {
+    fmt::print("{} ({}, {} bytes)\n{}\n", datagram.channel, type->name, datagram.data.size(), to_text(value));
+  }
+}
+
+int echo(const Options& options) {
+  const auto bus = open_bus(options.url);
+  Types types(options.types);
+  const int64_t most = options.once ? 1 : options.count;
+  int64_t shown = 0;
+  listen(*bus, options.timeout > 0 ? std::llround(options.timeout * 1e6) : -1, [&](const Datagram& datagram) {
+    learn_from(types, datagram);
+    if (fnmatch(options.channel.c_str(), std::string(datagram.channel).c_str(), 0) != 0) return true;
+    show(options, types, datagram);
+    fflush(stdout);
+    return ++shown != most;
+  });
+  if (interrupted) return 128 + interrupted;
+  if (shown == 0 || (most > 0 && shown < most)) {
+    fmt::print(stderr, "lab-spy: {} on {} in {:g} s\n", shown == 0 ? "nothing" : "not enough", options.channel, options.timeout);
+    return 124;
+  }
+  return kOk;
+}
+
+// ---- who ----------------------------------------------------------------------------------------------------
+
+int who(const Options& options) {
+  BusOptions only;
+  only.channels = {"PROCESS"};
+  const auto bus = open_bus(options.url, only);
+  Guard guard;
+  struct Life {
+    process_t first, last;
+  };
+  std::map<std::pair<std::string, int32_t>, Life> lives;
+  listen(*bus, std::llround(options.seconds * 1e6), [&](const Datagram& datagram) {
+    if (datagram.channel != "PROCESS" || !guard.check(Channel::Process, datagram.data)) return true;
+    const auto process = decode<process_t>(datagram.data);
+    const auto [life, is_new] = lives.try_emplace({process.name, process.pid}, Life{process, process});
+    life->second.last = process;
+    return true;
+  });
+  ordered_json all = ordered_json::array();
+  if (!options.as_json) fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "name", "state", "pid", "step", "steps/s", "p50 us", "p99 us", "max us", "overruns");
+  for (const auto& [key, life] : lives) {
+    const process_t &a = life.first, &z = life.last;
+    const double span = static_cast<double>(z.utime - a.utime) * 1e-6;
+    const double rate = span > 0 ? static_cast<double>(z.step - a.step) / span : 0;
+    const bool ticks = z.lateness_max > 0;
+    const float p50 = ticks ? z.lateness_p50 : z.loop_p50, p99 = ticks ? z.lateness_p99 : z.loop_p99, most = ticks ? z.lateness_max : z.loop_max;
+    if (options.as_json)
+      all.push_back({{"name", z.name}, {"state", z.state}, {"pid", z.pid}, {"step", z.step}, {"rate", rate}, {"p50_us", p50}, {"p99_us", p99}, {"max_us", most}, {"overruns", z.overruns},
+                     {"lost", z.lost}, {"late", z.late}, {"rejected", z.rejected}, {"last_rejected", z.last_rejected}, {"run", fmt::format("{:016x}", static_cast<uint64_t>(z.run))},
+                     {"model_hash", fmt::format("{:016x}", static_cast<uint64_t>(z.model_hash))}});
+    else
+      fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9.0f} {:>8.0f} {:>8.0f} {:>8.0f} {:>9}\n", z.name, z.state, z.pid, z.step, rate, p50, p99, most, z.overruns);
+  }
+  if (options.as_json) fmt::print("{}\n", all.dump(2));
+  return interrupted ? 128 + interrupted : kOk;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Shows what is said on an LCM bus, decoded at run time."};
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer("Types: the lab's own, those of --types, and those that TYPE messages bring.\nExample: lab-spy echo ROBOT_STATE --once");
+  Options options;
+  app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  app.add_option("--types", options.types, "folder with .lcm files");
+  app.add_flag("--json", options.as_json, "print JSON");
+  const auto span = [&](CLI::App* verb) { verb->add_option("--for", options.seconds, "s to listen (default 1)")->check(CLI::PositiveNumber); };
+  CLI::App* list_verb = app.add_subcommand("list", "Lists the channels: type, count, rate, bytes, periods, senders, losses.");
+  span(list_verb), list_verb->footer("Example: lab-spy list --for 2");
+  CLI::App* hz_verb = app.add_subcommand("hz", "The same for some channels.");
+  hz_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'");
+  span(hz_verb), hz_verb->footer("Example: lab-spy hz COMMAND");
+  CLI::App* echo_verb = app.add_subcommand("echo", "Prints messages.");
+  echo_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'")->required();
+  echo_verb->add_flag("--once", options.once, "one message, then end");
+  echo_verb->add_option("-n", options.count, "so many messages, then end")->check(CLI::PositiveNumber);
+  echo_verb->add_option("--field", options.fields, "only this value, such as q[0]; may be repeated")->allow_extra_args(false);
+  echo_verb->add_option("--timeout", options.timeout, "s, then end; 124 if nothing came")->check(CLI::PositiveNumber);
+  echo_verb->footer("Example: lab-spy echo ROBOT_STATE --field q[0] -n 10");
+  CLI::App* who_verb = app.add_subcommand("who", "Lists the processes that are alive, by their PROCESS messages.");
+  span(who_verb), who_verb->footer("Example: lab-spy who --for 0.3");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kOk : kUsage;
+  }
+  struct sigaction action {};
+  action.sa_handler = [](int number) { interrupted = number; };
+  sigaction(SIGINT, &action, nullptr), sigaction(SIGTERM, &action, nullptr);
+  return guarded_main("lab-spy", [&] {
+    try {
+      if (*echo_verb) return echo(options);
+      if (*who_verb) return who(options);
+      return list(options);
+    } catch (const NoField& error) {
+      fmt::print(stderr, "lab-spy: {}\n", error.what());
+      return int{kUsage};
+    } catch (const SchemaError& error) {
+      fmt::print(stderr, "lab-spy: {}\n", error.what());
+      return int{kUsage};
+    }
+  });
+}
+
+}  // namespace
+}  // namespace lab::spy
+
+int main(int argc, char** argv) { return lab::spy::run(argc, argv); }

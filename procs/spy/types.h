@@ -1,0 +1,29 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "procs/wire/schema.h"
+
+namespace lab::spy {
+
+/// The types that a spy knows: the lab's own, those of .lcm files, those that TYPE messages bring.
+class Types {
+ public:
+  /// `folder` with .lcm files, searched with its subfolders; empty = none. Throws SchemaError.
+  explicit Types(const std::string& folder);
+  /// Takes the text of a TYPE message; what cannot be parsed beside the others is left out.
+  void learn(const std::string& source);
+  /// The type of a message: by its channel if the lab has that, else by its fingerprint; null if it is not known.
+  const Type* of(std::string_view channel, std::span<const uint8_t> bytes) const;
+  const Schema& schema() const { return *schema_; }
+
+ private:
+  std::vector<Source> sources_;
+  std::optional<Schema> schema_;
+};
+
+/// First eight bytes as a number; 0 if there are fewer.
+int64_t fingerprint(std::span<const uint8_t> bytes);
+
+}  // namespace lab::spy

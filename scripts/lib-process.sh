@@ -1,0 +1,109 @@
+# shellcheck shell=bash disable=SC2034,SC2154
+# The life of one process of a group: start, signal, restart, output. A part of scripts/supervise, which owns the variables.
+
+# --- start, reap, signal ---------------------------------------------------------------------------------------------
+# Each process has a small shell of its own that leads its session, reports its end on the control pipe and is tied to
+# us: nobody outlives the supervisor. A signal to -PID reaches the process and its children; the terminal's Ctrl-C only
+# the one who asked for us. Background jobs of a script ignore INT: the process gets the default back.
+# (A CHLD trap would need no such shell, but bash 5.2 blocks CHLD while `read -t` waits.)
+# shellcheck disable=SC2016  # expands in that shell
+keeper='trap "" HUP INT QUIT TERM
+control=$2
+setpriv --pdeathsig KILL env --default-signal=HUP,INT,QUIT,TERM bash -c "$3" "$0" "$1" "$control" 2>&1 &
+wait $!
+echo "END $0 $?" >&"$control"'
+# shellcheck disable=SC2016
+teller='read -r pid _ </proc/self/stat
+echo "PID $0 $pid" >&"$2"
+eval "exec $2>&-"
+exec bash -c "$1"' # says the pid that the host sees, and becomes the command
+start() {
+  unset "code[$1]" "signalled[$1]" "due[$1]" "suspect[$1]" "host[$1]"
+  setpriv --pdeathsig KILL setsid bash -c "$keeper" "$1" "${command[$1]}" "$control" "$teller" \
+    </dev/null >>"$dir/$1.log" 2>/dev/null {journal}>&- &
+  pid[$1]=$!
+  disown "$!" # or bash reports it on our stderr when it is killed
+  now
+  began_at[$1]=$t
+  note "start $1 pid ${pid[$1]}"
+}
+
+# What is, for ps and wait: rewritten at every change.
+phase=running ended_code='' reason=''
+write_state() {
+  local name status
+  {
+    echo "supervisor $own_pid $began"
+    echo "isolation ${LAB_ISOLATED:-none}"
+    echo "url ${LCM_DEFAULT_URL:-}"
+    echo "phase $phase"
+    echo "code $ended_code"
+    echo "reason $reason"
+    for name in "${names[@]}"; do
+      status=ended
+      if alive "$name"; then status=running; elif [ -n "${due[$name]:-}" ]; then status=waiting; fi
+      echo "process $name $status ${host[$name]:-0} ${began_at[$name]:-0} ${restarts[$name]:-0} ${code[$name]:--} ${required[$name]:-yes} ${policy[$name]:-never}"
+    done
+  } >"$dir/.state" 2>/dev/null && mv -f "$dir/.state" "$dir/state"
+}
+
+# Whether this end is followed by another life; then when: due, ms.
+to_be_restarted() { # NAME CODE
+  local name=$1 lived wait=0
+  [ "$stage" -eq 0 ] && [ -z "$interrupted" ] || return 1
+  now
+  if [ -n "${asked[$name]:-}" ]; then
+    unset "asked[$name]"
+    due[$name]=$t
+    return 0
+  fi
+  case ${policy[$name]:-never} in
+    never) return 1 ;;
+    on-failure) [ "$2" -ne 0 ] || return 1 ;;
+  esac
+  lived=$((t - began_at[$name]))
+  if [ "$lived" -ge 10000 ]; then short[$name]=0; else short[$name]=$((${short[$name]:-0} + 1)); fi
+  [ "${short[$name]}" -le "${cap[$name]:-10}" ] || return 1
+  if [ "$lived" -lt 1000 ]; then
+    wait=$((100 << (short[$name] - 1)))
+    [ "$wait" -le 5000 ] || wait=5000
+  fi
+  due[$name]=$((t + wait))
+}
+
+restart_due() {
+  local name
+  for name in "${!due[@]}"; do
+    [ "$t" -ge "${due[$name]}" ] || continue
+    restarts[$name]=$((${restarts[$name]:-0} + 1))
+    start "$name"
+    write_state
+  done
+}
+
+restart_asked() { # NAME
+  if [ -z "${command[$1]:-}" ] || [ "$stage" -ne 0 ]; then return; fi
+  if alive "$1"; then
+    asked[$1]=1
+    signal "$1" INT
+  else
+    due[$1]=$t
+  fi
+}
+
+# One copy of what is too long; the processes append, so that they go on in the emptied file.
+rotate_logs() {
+  local size file
+  while read -r size file; do
+    [ "$size" -le "${LAB_LOG_MAX:-10000000}" ] || { cp -f "$file" "$file.1" && : >"$file"; }
+  done < <(stat -c '%s %n' "$dir"/*.log 2>/dev/null)
+}
+
+alive() { [ -n "${pid[$1]:-}" ] && [ -z "${code[$1]:-}" ]; }
+
+signal() { # NAME SIGNAL
+  signalled[$1]=$2
+  note "send $2 to $1"
+  kill -"$2" -- "-${pid[$1]}" 2>/dev/null
+  kill -CONT -- "-${pid[$1]}" 2>/dev/null # the frozen shall hear it too
+}

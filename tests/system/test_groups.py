@@ -1,0 +1,141 @@
+"""Labs that stay: up, wait, ps, restart, down, and that nothing outlives them."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+
+import pytest
+
+import labrun as lab
+
+INTRUDER = str(lab.BUILD / "bin" / "test-controller")
+
+
+@pytest.fixture
+def runs(tmp_path):
+    """A folder for runs; whatever still lives in it is ended by the lab's own supervisors."""
+    folder = tmp_path / "runs"
+    yield folder
+    call(folder, "down", "--all", "--timeout", "5")
+    assert not lab.leftovers(folder)
+
+
+def call(runs, *words):
+    return subprocess.run([lab.LAB, *words], env=lab.environment(LAB_RUNS=str(runs)), capture_output=True, text=True,
+                          timeout=lab.DEADLINE, stdin=subprocess.DEVNULL)
+
+
+def ok(done):
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def state(folder):
+    """Processes by name, as the supervisor sees them: status, pid, restarts."""
+    found = {}
+    for line in (pathlib.Path(folder) / "processes" / "state").read_text().splitlines():
+        words = line.split()
+        if words[0] == "process":
+            found[words[1]] = (words[2], int(words[3]), int(words[5]))
+    return found
+
+
+def log_of(folder):
+    return lab.until(lambda: (pathlib.Path(folder) / "log.lcm").exists() and (pathlib.Path(folder) / "log.lcm").read_bytes(), "log.lcm")
+
+
+def test_a_day_in_the_lab(runs):
+    ok(call(runs, "up", "-d"))
+    ok(call(runs, "wait", "--ready"))
+    [there] = json.loads(ok(call(runs, "ps", "--json")))
+    assert {p["name"]: p["state"] for p in there["processes"]} == dict.fromkeys(["simulator", "planner", "controller", "logger"], "RUNNING")
+    assert all(p["memory"] > 0 and os.path.exists(f"/proc/{p['pid']}") for p in there["processes"])
+    assert "accepted" in ok(call(runs, "goal", "joint2_shoulder=0.4", "--duration", "0.5"))
+    ok(call(runs, "set", "controller", "kp=80"))
+    ok(call(runs, "push", "effector_body", "5", "0", "0"))
+    assert json.loads(ok(call(runs, "spy", "echo", "ROBOT_STATE", "--once", "--json")))["message"]["nq"] == 6
+    before = state(runs / "live")["controller"][1]
+    ok(call(runs, "restart", "controller"))
+    status, pid, restarts = state(runs / "live")["controller"]
+    assert (status, restarts) == ("running", 1) and pid != before
+    done = call(runs, "restart", "controler")
+    assert done.returncode == 2 and "did you mean: controller?" in done.stderr
+    ok(call(runs, "exec", "--", "true"))
+    ok(call(runs, "down"))
+    assert (runs / "live" / "log.lcm").exists() and not (runs / "live" / "processes" / "control").exists()
+    assert call(runs, "wait", "--exit").returncode == 0
+    assert call(runs, "down").returncode == 2
+
+
+def test_killed_and_restarted_in_lockstep_the_log_is_the_same(runs, tmp_path):
+    file = lab.experiment(tmp_path, dt=0.001, duration=8)
+    undisturbed = lab.solo(file, tmp_path / "solo")
+    ok(call(runs, "up", "-d", "--private", "-f", file, "--set", "planner.lead=4"))
+    folder = runs / "motion"
+    for victim in ("planner", "controller", "logger"):
+        lab.until(lambda: state(folder)[victim][1] > 0, "a pid")
+        os.kill(state(folder)[victim][1], signal.SIGKILL)
+        lab.until(lambda: state(folder)[victim][2] == 1 and state(folder)[victim][0] == "running", f"{victim} again")
+    assert call(runs, "wait", "--exit", "--lab", "motion").returncode == 0
+    assert log_of(folder) == undisturbed
+
+
+def test_four_labs_at_once_do_not_meet(runs, tmp_path):
+    file = lab.experiment(tmp_path, dt=0.001, duration=3)
+    kinds = {"a": "0.4", "b": "0.4", "c": "0.3", "d": "0.2"}
+    for name, amplitude in kinds.items():
+        ok(call(runs, "up", "-d", "-f", file, "-o", str(runs / name), "--set", f"planner.amplitude={amplitude}"))
+    for name in kinds:
+        assert call(runs, "wait", "--exit", "--lab", name).returncode == 0
+    for name, amplitude in kinds.items():
+        alone = lab.solo(file, tmp_path / f"solo-{name}", "--set", f"planner.amplitude={amplitude}")
+        assert log_of(runs / name) == alone
+
+
+def test_one_that_is_frozen_before_ready_is_named(runs, tmp_path):
+    file = lab.experiment(tmp_path)
+    stopped = f"bash -c 'kill -STOP $$; exec {lab.BUILD}/bin/lab-controller'"
+    ok(call(runs, "up", "-d", "-f", file, "--set", f"processes.controller={stopped}"))
+    done = call(runs, "wait", "--ready", "--timeout", "1")
+    assert done.returncode == 4 and "controller (never heard)" in done.stderr, done.stderr
+
+
+def test_another_model_is_told_with_both_hashes(runs, tmp_path):
+    file = lab.experiment(tmp_path)
+    ok(call(runs, "up", "-d", "-f", file, "--set", f"processes.controller={INTRUDER} other_model"))
+    done = lab.until(lambda: (lambda d: d if d.returncode else None)(call(runs, "wait", "--ready", "--lab", "motion")), "the refusal")
+    assert done.returncode == 4 and "00000000deadbeef" in done.stderr and "simulator's is" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("victim", ["supervisor", "keeper"])
+def test_kill_of_the_supervisor_leaves_nothing(runs, victim):
+    ok(call(runs, "up", "-d"))
+    ok(call(runs, "wait", "--ready"))
+    [there] = json.loads(ok(call(runs, "ps", "--json")))
+    if victim == "supervisor":
+        os.kill(there["supervisor"], signal.SIGKILL)
+    else:
+        subprocess.run(["pkill", "-KILL", "-f", f"lab-up --keep {runs}"], check=True)
+    lab.until(lambda: not lab.leftovers(runs), "everybody to be gone")
+
+
+def test_a_simulator_that_comes_back_brings_a_new_run(runs, tmp_path):
+    group = tmp_path / "group"
+    ok(call(runs, "up", "-d", "--set", "logger.every=1"))
+    ok(call(runs, "wait", "--ready"))
+    text = (runs / "live" / "processes" / "Procfile").read_text().replace(str(runs / "live"), "$LAB_RUN_DIR")
+    experiment = (runs / "live" / "experiment.yaml").read_text()
+    ok(call(runs, "down"))
+    (tmp_path / "experiment.yaml").write_text(experiment)
+    group.write_text(text.replace("simulator required=yes restart=never", "simulator required=yes restart=always")
+                     .replace("$LAB_RUN_DIR/experiment.yaml", str(tmp_path / "experiment.yaml")))
+    ok(call(runs, "up", "-d", "-f", str(group)))
+    ok(call(runs, "wait", "--ready"))
+    folder = runs / "group"
+    os.kill(state(folder)["simulator"][1], signal.SIGKILL)
+    lab.until(lambda: state(folder)["simulator"][2] == 1, "another life")
+    ok(call(runs, "wait", "--ready"))
+    ok(call(runs, "down"))
+    logs = [lab.header(next(iter(lab.events(p)))[1])[1] for p in (folder / "log.lcm", *folder.glob("log-1.lcm*"))]
+    assert len(set(logs)) == 2, "two runs, two logs"
