@@ -1,4 +1,4 @@
-# shellcheck shell=bash disable=SC2034,SC2154
+# shellcheck shell=bash disable=SC2004,SC2034,SC2154
 # The life of one process of a group: start, signal, restart, output. A part of scripts/supervise, which owns the variables.
 
 # --- start, reap, signal ---------------------------------------------------------------------------------------------

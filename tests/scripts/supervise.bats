@@ -163,3 +163,66 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
     [ "${#lines[@]}" -eq 1 ]
   done
 }
+
+@test "restart=always starts it again, until the cap; then the group fails with its name" {
+  run supervise "#lab: a restart=always max=2" "a: echo life; exit 1 # $mark"
+  [ "$status" -eq 5 ]
+  [ "$(grep -c life "$group/a.log")" -eq 3 ]
+  grep -q '^reason a ended with exit code 1' "$group/state"
+  grep -q '^process a ended .* 2 1 yes always' "$group/state"
+}
+
+@test "restart=on-failure leaves a clean end alone" {
+  run supervise "#lab: a restart=on-failure" "a: echo life; exit 0 # $mark"
+  [ "$status" -eq 0 ]
+  [ "$(grep -c life "$group/a.log")" -eq 1 ]
+}
+
+@test "back-off doubles: three quick lives take 0.1 + 0.2 s and more" {
+  run supervise "#lab: a restart=always max=2" "a: exit 1 # $mark"
+  mapfile -t at < <(sed -n 's/^ *\([0-9.]*\) start a.*/\1/p' "$group/supervisor.log")
+  [ "$(bc <<<"${at[1]} - ${at[0]} >= 0.1 && ${at[2]} - ${at[1]} >= 0.2")" = 1 ]
+}
+
+@test "RESTART and STOP by the FIFO; 0 after STOP, and the FIFO is gone" {
+  supervise_in_background "simulator: echo up; $nap; : $mark" "planner: echo up; $nap; : $mark"
+  eventually 10 test -s "$group/planner.log"
+  echo "RESTART planner" >"$group/control"
+  eventually 5 grep -q '^process planner running .* 1 - yes never' "$group/state"
+  grep -q "^process simulator running .* 0 - yes never" "$group/state"
+  echo STOP >"$group/control"
+  code_of $boss
+  [ "$status" -eq 0 ]
+  [ ! -e "$group/control" ]
+  grep -q '^phase ended' "$group/state"
+}
+
+@test "the state names pids as the host sees them" {
+  supervise_in_background "simulator: echo up; $nap; : $mark"
+  eventually 10 test -s "$group/simulator.log"
+  eventually 5 grep -qE '^process simulator running [1-9]' "$group/state"
+  pid=$(sed -n 's/^process simulator running \([0-9]*\).*/\1/p' "$group/state")
+  grep -q "$mark" "/proc/$pid/cmdline"
+  kill -INT $boss
+  code_of $boss
+}
+
+@test "output beyond the limit moves on to NAME.log.1" {
+  LAB_LOG_MAX=1000 supervise_in_background "simulator: for i in {1..100}; do echo line number \$i of many; done; $nap; : $mark"
+  eventually 15 test -e "$group/simulator.log.1"
+  grep -q 'line number 100' "$group/simulator.log.1"
+  kill -INT $boss
+  code_of $boss
+}
+
+@test "a simulator that is restarted takes everybody along, with another nonce" {
+  supervise_in_background "#lab: simulator restart=always" "simulator: echo \$LAB_LAUNCH; $nap; : $mark" "planner: echo \$LAB_LAUNCH; $nap; : $mark"
+  eventually 10 test -s "$group/planner.log"
+  eventually 5 grep -qE '^process simulator running [1-9]' "$group/state"
+  kill -KILL "$(sed -n 's/^process simulator running \([0-9]*\).*/\1/p' "$group/state")"
+  two_lives() { [ "$(sort -u "$group/planner.log" | wc -l)" -eq 2 ]; }
+  eventually 10 two_lives
+  [ "$(sort -u "$group/simulator.log")" = "$(sort -u "$group/planner.log")" ]
+  kill -INT $boss
+  code_of $boss
+}

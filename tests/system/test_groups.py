@@ -139,3 +139,33 @@ def test_a_simulator_that_comes_back_brings_a_new_run(runs, tmp_path):
     ok(call(runs, "down"))
     logs = [lab.header(next(iter(lab.events(p)))[1])[1] for p in (folder / "log.lcm", *folder.glob("log-1.lcm*"))]
     assert len(set(logs)) == 2, "two runs, two logs"
+
+
+@pytest.mark.parametrize("clock", ["lockstep", "realtime"])
+def test_a_python_controller_takes_the_place_by_one_line(runs, tmp_path, clock):
+    python = lab.BUILD / "pyenv" / "bin" / "python"
+    if not python.exists():
+        pytest.skip("no Python with LCM here (tests/conformance/pyenv.sh)")
+    lab.generated_types(tmp_path / "types")
+    file = lab.experiment(tmp_path, dt=0.005, duration=3.0)
+    controller = f"env PYTHONPATH={tmp_path}/types {python} {lab.ROOT}/examples/controller.py"
+    ok(call(runs, "run", file, "--clock", clock, "-o", str(runs / "python"), "--set", f"processes.controller={controller}"))
+    metrics = json.loads((runs / "python" / "metrics.json").read_text())
+    assert metrics["complete"] and metrics["rms_error"] < 0.05, metrics
+
+
+def test_the_logger_is_killed_in_real_time_and_nobody_feels_it(runs, tmp_path):
+    ok(call(runs, "up", "-d", "--set", "logger.every=1"))
+    ok(call(runs, "wait", "--ready"))
+    folder = runs / "live"
+    os.kill(state(folder)["logger"][1], signal.SIGKILL)
+    left = list(lab.events(folder / "log.lcm.part"))  # readable as it was left
+    assert left[0][0] == "RUN"
+    lab.until(lambda: state(folder)["logger"][2] == 1 and state(folder)["logger"][0] == "running", "the logger again")
+    ok(call(runs, "wait", "--ready"))
+    ok(call(runs, "down"))
+    types = lab.generated_types(tmp_path / "types")
+    happened = [types.event_t.decode(d).what for c, d in lab.events(folder / "log.lcm") if c == "EVENT"]
+    assert "holding" not in happened, happened
+    steps = [lab.header(d)[2] for c, d in lab.events(folder / "log.lcm") if c == "ROBOT_STATE"]
+    assert steps == sorted(steps) and steps[-1] > 100
