@@ -117,6 +117,7 @@ cannot_make() { die 2 "cannot write the run folder $1 (permissions? disk full?)"
 # make_run_folder NAME [DIR]: a folder for a run, ours for as long as we hold its lock: sets dir, and made if it is new.
 make_run_folder() {
   local name=$1 out=$2 n
+  # shellcheck disable=SC2034  # for the caller
   made=''
   if [ -n "$out" ]; then
     [ -e "$out" ] && [ ! -d "$out" ] && die 2 "$out is a file, not a folder"
@@ -128,7 +129,9 @@ make_run_folder() {
     dir=$out
   else
     mkdir -p "$LAB_RUNS" 2>/dev/null || cannot_make "$LAB_RUNS"
-    dir=$LAB_RUNS/$name made=1
+    dir=$LAB_RUNS/$name
+    # shellcheck disable=SC2034
+    made=1
     for ((n = 2; ; n++)); do # mkdir decides between two runs that start together
       mkdir "$dir" 2>/dev/null && break
       [ -e "$dir" ] || cannot_make "$dir"
