@@ -19,6 +19,8 @@
 namespace lab {
 namespace {
 
+constexpr Micros kEarly = 50;  // before a tick the process is awake and looks: a sleep may end that much late
+
 volatile sig_atomic_t signals_seen = 0;
 
 void on_signal(int number) {
@@ -144,7 +146,8 @@ int Participant::run(Role& role) {
     if (role.run() != 0) incoming_.set_run(role.run()), incoming_.set_sizes(role.nq(), role.nv());
     while (!role.outcome().ended) {
       const Micros before = monotonic_now();
-      const Micros wait = std::clamp<Micros>(std::min(role.wake(), next_process) - before, 0, kRepeat);
+      const Micros wake = role.lateness() ? role.wake() - kEarly : role.wake();
+      const Micros wait = std::clamp<Micros>(std::min(wake, next_process) - before, 0, kRepeat);
       Micros woken = 0;
       bus_->poll(wait, [&](const Datagram& datagram) {
         if (!woken) woken = monotonic_now();
