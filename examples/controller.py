@@ -79,7 +79,8 @@ class Controller:
             self.bus.handle_timeout(50)
 
 
-try:
-    Controller().serve()
-except KeyboardInterrupt:
-    pass
+if __name__ == "__main__":
+    try:
+        Controller().serve()
+    except KeyboardInterrupt:
+        pass

@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 
@@ -146,7 +147,7 @@ def test_a_simulator_that_comes_back_brings_a_new_run(runs, tmp_path):
 @pytest.mark.parametrize("clock", ["lockstep", "realtime"])
 def test_a_python_controller_takes_the_place_by_one_line(runs, tmp_path, clock):
     python = lab.BUILD / "pyenv" / "bin" / "python"
-    if not python.exists():
+    if not os.access(python, os.X_OK):
         pytest.skip("no Python with LCM here (tests/conformance/pyenv.sh)")
     lab.generated_types(tmp_path / "types")
     file = lab.experiment(tmp_path, dt=0.005, duration=3.0)
@@ -171,3 +172,28 @@ def test_the_logger_is_killed_in_real_time_and_nobody_feels_it(runs, tmp_path):
     assert "holding" not in happened, happened
     steps = [lab.header(d)[2] for c, d in lab.events(folder / "log.lcm") if c == "ROBOT_STATE"]
     assert steps == sorted(steps) and steps[-1] > 100
+
+
+@pytest.mark.parametrize("mode", ["frozen", "replay", "nan", "over"])
+def test_a_bad_controller_in_real_time_is_kept_inside_the_limits(runs, tmp_path, mode):
+    python = lab.BUILD / "pyenv" / "bin" / "python"
+    if not os.access(python, os.X_OK):
+        pytest.skip("no Python with LCM here (tests/conformance/pyenv.sh)")
+    types = lab.generated_types(tmp_path / "types")
+    controller = f"env PYTHONPATH={tmp_path}/types {python} {lab.ROOT}/tests/system/bad_controller.py {mode}"
+    file = lab.experiment(tmp_path, dt=0.005, duration=3.0)
+    ok(call(runs, "run", file, "--clock", "realtime", "-o", str(runs / "bad"), "--set", f"processes.controller={controller}",
+            "--set", "safety.timeout=0.1"))
+    urdf = (lab.ROOT / "models" / "simple_3dof_arm.urdf").read_text()
+    effort, speed = ([float(x) for x in re.findall(rf'<limit[^>]*\b{what}="([^"]*)"', urdf)] for what in ("effort", "velocity"))
+    happened = []
+    for channel, data in lab.events(runs / "bad" / "log.lcm"):
+        if channel == "ROBOT_STATE":
+            state = types.robot_state_t.decode(data)
+            assert all(abs(v) <= most for v, most in zip(state.v, speed)), state.step
+            assert all(abs(tau) <= most for tau, most in zip(state.tau, effort)), state.step
+        elif channel == "EVENT":
+            event = types.event_t.decode(data)
+            happened.append(event.what)
+    wanted = {"nan": "command_rejected", "over": "effort_clamped"}.get(mode, "holding")
+    assert wanted in happened and "holding" in happened and [e for e in happened if e in ("holding", "running")][-1] == "running", happened
