@@ -65,7 +65,7 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
 
   std::vector<std::string> warnings = robot.warnings;
   for (int i = 0; i < model.nv; ++i)
-    if (model.effortLimit[i] == 0)
+    if (model.upperEffortLimit[i] == 0 && model.lowerEffortLimit[i] == 0)
       warnings.push_back(
           warn(e, "robot.model",
                "joint '" + joint_at(model, i) + "' has an effort limit of 0: nothing can drive it"));
@@ -101,10 +101,10 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
     if (euler) note(friction, stability_ratio(Minv, none, drag, e.simulator.dt), time);
   }
   for (int i = 0; i < model.nv; ++i)
-    if (speed[i] > model.velocityLimit[i])
+    if (speed[i] > model.upperVelocityLimit[i])
       warnings.push_back(warn(e, "planner.kind",
                               "joint '" + joint_at(model, i) + "' shall move at " + number(speed[i]) +
-                                  ", its limit is " + number(model.velocityLimit[i])));
+                                  ", its limit is " + number(model.upperVelocityLimit[i])));
   const auto judge = [&](const Worst& worst, const std::string& key, const std::string& what,
                          const std::string& cure) {
     if (worst.ratio > 0.5)

@@ -65,7 +65,7 @@ double track(const Run& run, std::vector<JointFigures>& joints) {
       else if (joint.settled_since < 0)
         joint.settled_since = state.step;
       if (k == 0) continue;  // nothing acted before step 0
-      const double tau = state.tau[joint.at], limit = run.model.effortLimit[joint.at];
+      const double tau = state.tau[joint.at], limit = run.model.upperEffortLimit[joint.at];
       joint.effort.add(tau);
       if (limit > 0) joint.effort_share = std::max(joint.effort_share, std::abs(tau) / limit);
     }

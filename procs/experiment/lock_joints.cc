@@ -35,8 +35,8 @@ void lock_joints(rbd::Model& model, rbd::GeometryModel& geometry,
       return false;
     }
     const int q = joint.idx_q(), nq = joint.nq(), v = joint.idx_v(), nv = joint.nv();
-    home[j].joint = out.addJoint(parent.joint, joint, placement, old.names[j], old.effortLimit.segment(v, nv),
-                                 old.velocityLimit.segment(v, nv), old.lowerPositionLimit.segment(q, nq),
+    home[j].joint = out.addJoint(parent.joint, joint, placement, old.names[j], old.upperEffortLimit.segment(v, nv),
+                                 old.upperVelocityLimit.segment(v, nv), old.lowerPositionLimit.segment(q, nq),
                                  old.upperPositionLimit.segment(q, nq));
     out.armature.tail(nv) = old.armature.segment(v, nv);
     out.damping.tail(nv) = old.damping.segment(v, nv);

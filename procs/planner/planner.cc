@@ -83,7 +83,7 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   config.floating = floats(model);
   config.q_min = model.lowerPositionLimit, config.q_max = model.upperPositionLimit;
   config.v_max.resize(model.nv);
-  for (int i = 0; i < model.nv; ++i) config.v_max[i] = std::isfinite(model.velocityLimit[i]) && model.velocityLimit[i] > 0 ? model.velocityLimit[i] : 1;
+  for (int i = 0; i < model.nv; ++i) config.v_max[i] = std::isfinite(model.upperVelocityLimit[i]) && model.upperVelocityLimit[i] > 0 ? model.upperVelocityLimit[i] : 1;
   config.q0 = config.goal = configuration(e, "simulator.q0", e.simulator.q0, model, rbd::neutral(model));
   if (config.kind->law == hold) return config;
   if (floats(model)) fail(e, "planner.kind", "'" + model.name + "' floats; only hold is possible for now");

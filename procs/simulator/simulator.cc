@@ -41,12 +41,13 @@ void limit(const Config& config, State& state, const Command& command, std::vect
     const rbd::JointModel& joint = config.model.joints[j];
     const bool driven = joint.nv() == 1;  // nothing drives a floating base
     for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i) {
-      const double bound = driven ? config.model.effortLimit[i] : 0, wanted = command.tau[i];
-      const bool clamp = std::abs(wanted) > bound;
-      state.effort[i] = clamp ? std::copysign(bound, wanted) : wanted;
+      const double lower = driven ? config.model.lowerEffortLimit[i] : 0;
+      const double upper = driven ? config.model.upperEffortLimit[i] : 0, wanted = command.tau[i];
+      const bool clamp = wanted < lower || wanted > upper;
+      state.effort[i] = std::clamp(wanted, lower, upper);
       if (clamp && !state.clamped[i])
         events.push_back({driven ? "effort_clamped" : "base_effort_ignored", config.model.names[j],
-                          "value " + number(wanted) + ", bound " + number(bound)});
+                          "value " + number(wanted) + ", bound " + number(wanted < lower ? lower : upper)});
       state.clamped[i] = clamp;
     }
   }
@@ -59,8 +60,9 @@ void hold(const Config& config, State& s) {
   if (!config.hold_gravity) s.applied -= rbd::computeGeneralizedGravity(config.model, s.data, s.robot.q);
   for (const rbd::JointModel& joint : config.model.joints)
     for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i) {
-      const double bound = joint.nv() == 1 ? config.model.effortLimit[i] : 0;
-      s.applied[i] = std::clamp(s.applied[i], -bound, bound);
+      const bool driven = joint.nv() == 1;
+      s.applied[i] = std::clamp(s.applied[i], driven ? config.model.lowerEffortLimit[i] : 0,
+                                driven ? config.model.upperEffortLimit[i] : 0);
     }
 }
 
@@ -95,13 +97,16 @@ void semi_implicit_euler(const Config& config, State& s) {
 void coordinate_rate(const rbd::Model& model, const Eigen::VectorXd& x, Eigen::VectorXd& v) {
   for (int j = 1; j < model.njoints; ++j) {
     const rbd::JointModel& joint = model.joints[j];
-    if (joint.nv() != 6) continue;
-    const int at = joint.idx_v();
-    const rbd::Motion m(x.segment<3>(at), x.segment<3>(at + 3));
-    rbd::Motion twist(v.segment<3>(at), v.segment<3>(at + 3));
-    const rbd::Motion once = m.cross(twist), twice = m.cross(once);
-    v.segment<3>(at) += 0.5 * once.angular() + twice.angular() / 12;
-    v.segment<3>(at + 3) += 0.5 * once.linear() + twice.linear() / 12;
+    if (joint.nv() == joint.nq()) continue;
+    const int at = joint.idx_v(), n = joint.nv();
+    // as twists, whatever the kind: planar ones are (vx, vy, w)
+    const bool planar = joint.manifold() == rbd::Manifold::PlanarPose;
+    const auto axis = [planar](int k) { return planar ? (k < 2 ? 3 + k : 2) : k; };
+    rbd::Vector6d m = rbd::Vector6d::Zero(), twist = rbd::Vector6d::Zero();
+    for (int k = 0; k < n; ++k) m[axis(k)] = x[at + k], twist[axis(k)] = v[at + k];
+    const rbd::Motion once = rbd::Motion(m).cross(rbd::Motion(twist)), twice = rbd::Motion(m).cross(once);
+    const rbd::Vector6d more = 0.5 * once.toVector() + twice.toVector() / 12;
+    for (int k = 0; k < n; ++k) v[at + k] += more[axis(k)];
   }
 }
 
@@ -131,8 +136,11 @@ void integrate(const Config& config, State& s) {
 
 /// The joint that has just become faster than it may be; -1 if none.
 int too_fast(const Config& config, const State& s) {
+  const auto outside = [&](int i) {
+    return s.v[i] > config.model.upperVelocityLimit[i] || s.v[i] < config.model.lowerVelocityLimit[i];
+  };
   for (int i = 0; i < config.model.nv; ++i)
-    if (std::abs(s.v[i]) > config.model.velocityLimit[i] && std::abs(s.v[i]) > std::abs(s.robot.v[i])) return i;
+    if (outside(i) && std::abs(s.v[i]) > std::abs(s.robot.v[i])) return i;
   return -1;
 }
 
@@ -229,7 +237,7 @@ Output step(const Config& config, State& state, const Input& input) {
     const bool guarded = config.safety.timeout > 0 && output.mode == safety::Mode::Running;
     if (const int i = guarded ? too_fast(config, state) : -1; i >= 0) {
       safety::trip(config.safety, state.safety, joint_at(config.model, i),
-                   "v would be " + number(state.v[i]) + ", bound " + number(config.model.velocityLimit[i]), output.events);
+                   "v would be " + number(state.v[i]) + ", bound " + number(config.model.upperVelocityLimit[i]), output.events);
       output.mode = state.safety.mode;
       hold(config, state);
       integrate(config, state);

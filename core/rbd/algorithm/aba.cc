@@ -1,7 +1,11 @@
 #include "rbd/algorithm/aba.h"
 
+#include "rbd/algorithm/cholesky.h"
+#include "rbd/algorithm/crba.h"
 #include "rbd/algorithm/inner/articulate.h"
+#include "rbd/algorithm/inner/joint_terms.h"
 #include "rbd/algorithm/inner/kernels.h"
+#include "rbd/algorithm/rnea.h"
 
 namespace rbd {
 namespace inner {
@@ -12,9 +16,10 @@ namespace inner {
 // never needed. A joint of several dofs is eliminated one dof after the other, as if massless bodies stood
 // between them.
 template <class S>
-int abaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const S* tau, S* qdd, S& d) {
-  const Joints& joints = model.packed();
-  const int n = model.njoints;
+int abaKernel(const Model& model, const double* rotor, Scratch<S>& s, const S* q, const S* qd, const S* tau,
+              S* qdd, S& d) {
+  const Joints& joints = model.tree().joints;
+  const int n = model.tree().size();
   angles(model, q, s);
   worldPoses(joints, q, s);
 
@@ -33,7 +38,7 @@ int abaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const 
   }
 
   // pass 2, inward: what each joint feels of everything beyond it
-  const int singular = articulate(model, s, d, [&](int i, int k, const Motion<S>& column) {
+  const int singular = articulate(joints, rotor, s, d, [&](int i, int k, const Motion<S>& column) {
     s.u[k] = tau[k] - dot(column, s.f[i]);
     s.f[i] = s.f[i] + s.U[k] * (s.u[k] * s.inverseD[k]);
   });
@@ -52,21 +57,50 @@ int abaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const 
   return -1;
 }
 
-template int abaKernel(const Model&, Scratch<double>&, const double*, const double*, const double*, double*,
-                       double&);
-template int abaKernel(const Model&, Scratch<long double>&, const long double*, const long double*,
-                       const long double*, long double*, long double&);
+template int abaKernel(const Model&, const double*, Scratch<double>&, const double*, const double*,
+                       const double*, double*, double&);
+template int abaKernel(const Model&, const double*, Scratch<long double>&, const long double*,
+                       const long double*, const long double*, long double*, long double&);
 
 }  // namespace inner
+
+namespace {
+
+// data.ddq from work.effort.
+const Eigen::VectorXd& solveMotion(const Model& model, Data& data, const ConstVectorRef& q,
+                                   const ConstVectorRef& v) {
+  inner::Workspace& work = data.work();
+  if (!model.tree().mimic.identity) {
+    // followers close loops, which articulated bodies cannot pass: M a = tau - nle
+    data.ddq = work.effort - nonLinearEffects(model, data, q, v);
+    crba(model, data, q);
+    cholesky::decompose(model, data);
+    cholesky::solve(model, data, data.ddq);
+    return data.ddq;
+  }
+  inner::addFrictionEfforts(model, v, -1, work.effort);
+  double d = 0;
+  const int singular = inner::abaKernel(model, inner::rotors(model, work), work.d, q.data(), v.data(),
+                                        work.effort.data(), data.ddq.data(), d);
+  if (singular >= 0) inner::failSingular("aba", model, singular, d);
+  return data.ddq;
+}
+
+}  // namespace
 
 const Eigen::VectorXd& aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
                            const ConstVectorRef& tau) {
   inner::checkInputs("aba", model, data, q, "v", v, "tau", tau);
-  double d = 0;
-  const int singular =
-      inner::abaKernel(model, data.work().d, q.data(), v.data(), tau.data(), data.ddq.data(), d);
-  if (singular >= 0) inner::failSingular("aba", model, singular, d);
-  return data.ddq;
+  data.work().effort = tau;
+  return solveMotion(model, data, q, v);
+}
+
+const Eigen::VectorXd& aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                           const ConstVectorRef& tau, const FrameWrenches& wrenches) {
+  inner::checkInputs("aba", model, data, q, "v", v, "tau", tau);
+  data.work().effort = tau;
+  inner::addWrenchEfforts("aba", model, data, q, wrenches, 1, data.work().effort);
+  return solveMotion(model, data, q, v);
 }
 
 void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,

@@ -1,10 +1,12 @@
 // Forward dynamics: articulated bodies.  a = M(q)^-1 (tau - nle(q, v)), without forming M.
 // Source: Featherstone 2008, table 7.1.
 //
+// Models with mimic joints are solved by M = U D U' instead: O(n^3).
+//
 // Throws std::runtime_error naming the joint when its articulated inertia is singular (a massless tip, say).
 #pragma once
 
-#include "rbd/algorithm/kinematics.h"
+#include "rbd/algorithm/external_wrench.h"
 
 namespace rbd {
 
@@ -13,5 +15,9 @@ const Eigen::VectorXd& aba(const Model& model, Data& data, const ConstVectorRef&
                            const ConstVectorRef& tau);
 void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
          const ConstVectorRef& tau, VectorRef ddq);
+
+// With wrenches from outside.
+const Eigen::VectorXd& aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                           const ConstVectorRef& tau, const FrameWrenches& wrenches);
 
 }  // namespace rbd

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "rbd/algorithm/inner/joint_terms.h"
+#include "rbd/algorithm/inner/mimic.h"
 #include "rbd/algorithm/inner/public_face.h"
 
 namespace rbd {
@@ -25,10 +27,10 @@ Vec bodyCom(const Joints& joints, int i, const Scratch<double>& s) {
 
 Sum firstMoment(const Model& model, const Scratch<double>& s) {
   Sum sum;
-  for (int i = 1; i < model.njoints; ++i) {
-    const double m = model.packed()[i].mass;
+  for (int i = 1; i < model.tree().size(); ++i) {
+    const double m = model.tree().joints[i].mass;
     sum.mass += m;
-    sum.moment = sum.moment + bodyCom(model.packed(), i, s) * m;
+    sum.moment = sum.moment + bodyCom(model.tree().joints, i, s) * m;
   }
   return sum;
 }
@@ -47,8 +49,9 @@ Vec storeCom(const char* function, const Model& model, Data& data) {
 }
 
 void worldPosesOf(const Model& model, Data& data, const ConstVectorRef& q) {
-  inner::angles(model, q.data(), data.work().d);
-  inner::worldPoses(model.packed(), q.data(), data.work().d);
+  const double* const tree_q = inner::treeQ(model, data.work(), q);
+  inner::angles(model, tree_q, data.work().d);
+  inner::worldPoses(model.tree().joints, tree_q, data.work().d);
 }
 
 // World velocities, and accelerations without gravity where qdd is given; then the momentum of all bodies and
@@ -57,11 +60,15 @@ struct Momentum {
   Wrench h = Wrench::zero(), dh = Wrench::zero();
 };
 
-Momentum momentum(const Model& model, Scratch<double>& s, const double* qd, const double* qdd) {
-  const Joints& joints = model.packed();
+Momentum momentum(const Model& model, Data& data, const ConstVectorRef& v, const ConstVectorRef* a) {
+  inner::Workspace& work = data.work();
+  const double* const qd = inner::treeV(model, work.v, v);
+  const double* const qdd = a ? inner::treeV(model, work.a, *a) : nullptr;
+  Scratch<double>& s = work.d;
+  const Joints& joints = model.tree().joints;
   Momentum sum;
   s.v[0] = s.a[0] = Twist::zero();
-  for (int i = 1; i < model.njoints; ++i) {
+  for (int i = 1; i < model.tree().size(); ++i) {
     const PackedJoint& joint = joints[i];
     worldColumns(joint, i, s);
     const Twist vJ = jointMotion(joint, qd, s);
@@ -100,7 +107,7 @@ const Eigen::Vector3d& centerOfMass(const Model& model, Data& data, const ConstV
   inner::checkInputs("centerOfMass", model, data, q, "v", v);
   worldPosesOf(model, data, q);
   storeCom("centerOfMass", model, data);
-  data.vcom[0] = inner::toEigen(momentum(model, data.work().d, v.data(), nullptr).h.f) / data.mass[0];
+  data.vcom[0] = inner::toEigen(momentum(model, data, v, nullptr).h.f) / data.mass[0];
   return data.com[0];
 }
 
@@ -113,21 +120,23 @@ const PaddedMatrix& jacobianCenterOfMass(const Model& model, Data& data, const C
   worldPosesOf(model, data, q);
   storeCom("jacobianCenterOfMass", model, data);
   Scratch<double>& s = data.work().d;
-  const Joints& joints = model.packed();
+  const Joints& joints = model.tree().joints;
+  double* const out = inner::treeColumns(model, data.work().Jcom, data.Jcom);
   // I[i].m and I[i].h: mass and first moment of everything that joint i carries
-  for (int i = 0; i < model.njoints; ++i) {
+  for (int i = 0; i < model.tree().size(); ++i) {
     s.I[i].m = joints[i].mass;
     s.I[i].h = bodyCom(joints, i, s) * joints[i].mass;
   }
-  for (int i = model.njoints - 1; i > 0; --i) {
+  for (int i = model.tree().size() - 1; i > 0; --i) {
     worldColumns(joints[i], i, s);
     for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) {
       const Vec column = s.column[k].v * s.I[i].m + cross(s.column[k].w, s.I[i].h);
-      (column * (1 / data.mass[0])).storeU(data.Jcom.data() + 8 * k);
+      (column * (1 / data.mass[0])).storeU(out + 8 * k);
     }
     s.I[joints[i].parent].m += s.I[i].m;
     s.I[joints[i].parent].h = s.I[joints[i].parent].h + s.I[i].h;
   }
+  inner::gatherColumns(model, data.work().Jcom, data.Jcom);
   return data.Jcom;
 }
 
@@ -141,7 +150,7 @@ const Force& computeCentroidalMomentum(const Model& model, Data& data, const Con
   inner::checkInputs("computeCentroidalMomentum", model, data, q, "v", v);
   worldPosesOf(model, data, q);
   const Vec com = storeCom("computeCentroidalMomentum", model, data);
-  return data.hg = about(com, momentum(model, data.work().d, v.data(), nullptr).h);
+  return data.hg = about(com, momentum(model, data, v, nullptr).h);
 }
 
 const Force& computeCentroidalMomentum(const Model& model, Data& data) {
@@ -160,7 +169,7 @@ const Force& computeCentroidalMomentumTimeVariation(const Model& model, Data& da
   inner::checkInputs(name, model, data, q, "v", v, "a", a);
   worldPosesOf(model, data, q);
   const Vec com = storeCom(name, model, data);
-  const Momentum sum = momentum(model, data.work().d, v.data(), a.data());
+  const Momentum sum = momentum(model, data, v, &a);
   data.hg = about(com, sum.h);
   return data.dhg = about(com, sum.dh);
 }
@@ -181,12 +190,12 @@ double computeKineticEnergy(const Model& model, Data& data, const ConstVectorRef
   inner::checkInputs("computeKineticEnergy", model, data, q, "v", v);
   worldPosesOf(model, data, q);
   Scratch<double>& s = data.work().d;
-  momentum(model, s, v.data(), nullptr);
+  momentum(model, data, v, nullptr);
   double twice = 0;
-  for (int i = 1; i < model.njoints; ++i) {
-    twice += dot(s.v[i], worldInertia(model.packed()[i], s.R[i], s.p[i]) * s.v[i]);
+  for (int i = 1; i < model.tree().size(); ++i) {
+    twice += dot(s.v[i], worldInertia(model.tree().joints[i], s.R[i], s.p[i]) * s.v[i]);
   }
-  for (int k = 0; k < model.nv; ++k) twice += model.armature[k] * v[k] * v[k];
+  for (int k = 0; k < model.nv; ++k) twice += inner::rotorOf(model, k) * v[k] * v[k];
   return data.kinetic_energy = twice / 2;
 }
 

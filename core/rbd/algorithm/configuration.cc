@@ -4,40 +4,10 @@
 #include <cmath>
 
 #include "rbd/algorithm/inner/check.h"
-
-// One function per operation, each with the kinds' differences in one place: a joint that is not a free-flyer
-// adds and subtracts its numbers.
+#include "rbd/algorithm/inner/manifold.h"
 
 namespace rbd {
 namespace {
-
-Eigen::Quaterniond quaternion(const double* q) {
-  return Eigen::Quaterniond(q[6], q[3], q[4], q[5]).normalized();
-}
-
-// Position and unit quaternion moved by the body twist v.
-void integrateFree(const double* q, const double* v, double* out) {
-  const Eigen::Vector3d w(v[0], v[1], v[2]), step = leftJacobian3(w) * Eigen::Vector3d(v[3], v[4], v[5]);
-  const Eigen::Quaterniond start = quaternion(q), end = (start * exp3Quaternion(w)).normalized();
-  const Eigen::Vector3d moved = Eigen::Vector3d(q[0], q[1], q[2]) + start * step;
-  for (int k = 0; k < 3; ++k) {
-    out[k] = moved[k];
-    out[3 + k] = end.vec()[k];
-  }
-  out[6] = end.w();
-}
-
-// The body twist from q0 to q1 in unit time; through quaternions, which stay accurate up to half a turn.
-void differenceFree(const double* q0, const double* q1, double* out) {
-  const Eigen::Quaterniond start = quaternion(q0);
-  const Eigen::Vector3d w = log3((start.conjugate() * quaternion(q1)).normalized());
-  const Eigen::Vector3d way(q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]);
-  const Eigen::Vector3d v = leftJacobian3Inverse(w) * (start.conjugate() * way);
-  for (int k = 0; k < 3; ++k) {
-    out[k] = w[k];
-    out[3 + k] = v[k];
-  }
-}
 
 void checkConfiguration(const char* function, const char* name, const Model& model, const ConstVectorRef& q) {
   inner::checkQ(function, name, model, q);
@@ -60,13 +30,24 @@ Eigen::Quaterniond randomRotation(std::mt19937_64& engine) {
   return {t * std::cos(b), s * std::sin(a), s * std::cos(a), t * std::sin(b)};
 }
 
+// f(space, first entry in q, first entry in v) for every joint that has numbers of its own.
+template <class F>
+void forEachSpace(const Model& model, F&& f) {
+  for (const JointModel& joint : model.joints) {
+    if (joint.nv() == 0) continue;
+    inner::onSpace(joint, [&](const auto& space) { f(space, joint.idx_q(), joint.idx_v()); });
+  }
+}
+
 }  // namespace
 
 void neutral(const Model& model, VectorRef q) {
   inner::checkOut("neutral", "q", model, q, model.nq, "nq");
   q.setZero();
   for (const JointModel& joint : model.joints) {
-    if (joint.kind() == JointKind::FreeFlyer) q[joint.idx_q() + 6] = 1;
+    const inner::UnitPart unit = inner::unitPart(joint);
+    if (unit.size == 4) q[unit.at + 3] = 1;
+    if (unit.size == 2) q[unit.at] = 1;
   }
 }
 
@@ -76,19 +57,38 @@ Eigen::VectorXd neutral(const Model& model) {
   return q;
 }
 
-void randomConfiguration(const Model& model, std::mt19937_64& engine, VectorRef q) {
-  inner::checkOut("randomConfiguration", "q", model, q, model.nq, "nq");
+void randomConfiguration(const Model& model, std::mt19937_64& engine, const ConstVectorRef& lower,
+                         const ConstVectorRef& upper, VectorRef q) {
+  const char* const name = "randomConfiguration";
+  inner::checkOut(name, "q", model, q, model.nq, "nq");
+  if (lower.size() != model.nq)
+    inner::failVector(name, "lower", nullptr, lower.size(), model.nq, "nq", model);
+  if (upper.size() != model.nq)
+    inner::failVector(name, "upper", nullptr, upper.size(), model.nq, "nq", model);
   for (const JointModel& joint : model.joints) {
-    const int at = joint.idx_q();
-    const bool free = joint.kind() == JointKind::FreeFlyer;
-    const bool metres = free || joint.kind() == JointKind::Prismatic;
-    const int plain = free ? 3 : joint.nq();
-    for (int k = at; k < at + plain; ++k) {
-      q[k] = between(engine, model.lowerPositionLimit[k], model.upperPositionLimit[k],
-                     metres ? 1 : PI<double>());
+    const inner::UnitPart unit = inner::unitPart(joint);
+    const double fallback = joint.manifold() == Manifold::Angles ? PI<double>() : 1;
+    for (int k = joint.idx_q(); k < joint.idx_q() + joint.nq() - unit.size; ++k) {
+      q[k] = between(engine, lower[k], upper[k], fallback);
     }
-    if (free) q.segment<4>(at + 3) = randomRotation(engine).coeffs();
+    if (unit.size == 4) q.segment<4>(unit.at) = randomRotation(engine).coeffs();
+    if (unit.size == 2) {
+      const double angle = between(engine, -PI<double>(), PI<double>(), 0);
+      q[unit.at] = std::cos(angle);
+      q[unit.at + 1] = std::sin(angle);
+    }
   }
+}
+
+void randomConfiguration(const Model& model, std::mt19937_64& engine, VectorRef q) {
+  randomConfiguration(model, engine, model.lowerPositionLimit, model.upperPositionLimit, q);
+}
+
+Eigen::VectorXd randomConfiguration(const Model& model, std::mt19937_64& engine, const ConstVectorRef& lower,
+                                    const ConstVectorRef& upper) {
+  Eigen::VectorXd q(model.nq);
+  randomConfiguration(model, engine, lower, upper, q);
+  return q;
 }
 
 Eigen::VectorXd randomConfiguration(const Model& model, std::mt19937_64& engine) {
@@ -111,14 +111,9 @@ void integrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef
   checkConfiguration("integrate", "q", model, q);
   inner::checkV("integrate", "v", model, v);
   inner::checkOut("integrate", "out", model, out, model.nq, "nq");
-  for (const JointModel& joint : model.joints) {
-    const int iq = joint.idx_q(), iv = joint.idx_v();
-    if (joint.kind() == JointKind::FreeFlyer) {
-      integrateFree(q.data() + iq, v.data() + iv, out.data() + iq);
-    } else {
-      for (int k = 0; k < joint.nq(); ++k) out[iq + k] = q[iq + k] + v[iv + k];
-    }
-  }
+  forEachSpace(model, [&](const auto& space, int iq, int iv) {
+    space.integrate(q.data() + iq, v.data() + iv, out.data() + iq);
+  });
 }
 
 Eigen::VectorXd integrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef& v) {
@@ -131,14 +126,9 @@ void difference(const Model& model, const ConstVectorRef& q0, const ConstVectorR
   checkConfiguration("difference", "q0", model, q0);
   checkConfiguration("difference", "q1", model, q1);
   inner::checkOut("difference", "out", model, out, model.nv, "nv");
-  for (const JointModel& joint : model.joints) {
-    const int iq = joint.idx_q(), iv = joint.idx_v();
-    if (joint.kind() == JointKind::FreeFlyer) {
-      differenceFree(q0.data() + iq, q1.data() + iq, out.data() + iv);
-    } else {
-      for (int k = 0; k < joint.nq(); ++k) out[iv + k] = q1[iq + k] - q0[iq + k];
-    }
-  }
+  forEachSpace(model, [&](const auto& space, int iq, int iv) {
+    space.difference(q0.data() + iq, q1.data() + iq, out.data() + iv);
+  });
 }
 
 Eigen::VectorXd difference(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1) {
@@ -152,17 +142,12 @@ void interpolate(const Model& model, const ConstVectorRef& q0, const ConstVector
   checkConfiguration("interpolate", "q0", model, q0);
   checkConfiguration("interpolate", "q1", model, q1);
   inner::checkOut("interpolate", "out", model, out, model.nq, "nq");
-  for (const JointModel& joint : model.joints) {
-    const int iq = joint.idx_q();
-    if (joint.kind() == JointKind::FreeFlyer) {
-      Vector6d twist;
-      differenceFree(q0.data() + iq, q1.data() + iq, twist.data());
-      twist *= s;
-      integrateFree(q0.data() + iq, twist.data(), out.data() + iq);
-    } else {
-      for (int k = iq; k < iq + joint.nq(); ++k) out[k] = q0[k] + s * (q1[k] - q0[k]);
-    }
-  }
+  forEachSpace(model, [&](const auto& space, int iq, int) {
+    double way[6];
+    space.difference(q0.data() + iq, q1.data() + iq, way);
+    for (double& x : way) x *= s;
+    space.integrate(q0.data() + iq, way, out.data() + iq);
+  });
 }
 
 Eigen::VectorXd interpolate(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1,
@@ -172,11 +157,97 @@ Eigen::VectorXd interpolate(const Model& model, const ConstVectorRef& q0, const 
   return out;
 }
 
+double squaredDistance(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1) {
+  checkConfiguration("distance", "q0", model, q0);
+  checkConfiguration("distance", "q1", model, q1);
+  double sum = 0;
+  forEachSpace(model, [&](const auto& space, int iq, int) {
+    double way[6] = {0, 0, 0, 0, 0, 0};
+    space.difference(q0.data() + iq, q1.data() + iq, way);
+    for (const double x : way) sum += x * x;
+  });
+  return sum;
+}
+
+double distance(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1) {
+  return std::sqrt(squaredDistance(model, q0, q1));
+}
+
+bool isSameConfiguration(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1, double tol) {
+  checkConfiguration("isSameConfiguration", "q0", model, q0);
+  checkConfiguration("isSameConfiguration", "q1", model, q1);
+  bool same = true;
+  forEachSpace(model, [&](const auto& space, int iq, int) {
+    double way[6] = {0, 0, 0, 0, 0, 0};
+    space.difference(q0.data() + iq, q1.data() + iq, way);
+    for (const double x : way) same = same && std::abs(x) <= tol;
+  });
+  return same;
+}
+
 void normalize(const Model& model, VectorRef q) {
   checkConfiguration("normalize", "q", model, q);
   for (const JointModel& joint : model.joints) {
-    if (joint.kind() == JointKind::FreeFlyer) q.segment<4>(joint.idx_q() + 3).normalize();
+    const inner::UnitPart unit = inner::unitPart(joint);
+    if (unit.size > 0) q.segment(unit.at, unit.size).normalize();
   }
+}
+
+bool isNormalized(const Model& model, const ConstVectorRef& q, double tol) {
+  checkConfiguration("isNormalized", "q", model, q);
+  for (const JointModel& joint : model.joints) {
+    const inner::UnitPart unit = inner::unitPart(joint);
+    if (unit.size > 0 && std::abs(q.segment(unit.at, unit.size).norm() - 1) > tol) return false;
+  }
+  return true;
+}
+
+void dIntegrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef& v, MatrixRef J,
+                ArgumentPosition argument) {
+  checkConfiguration("dIntegrate", "q", model, q);
+  inner::checkV("dIntegrate", "v", model, v);
+  inner::checkOut("dIntegrate", "J", J, model.nv, model.nv);
+  J.setZero();
+  forEachSpace(model, [&](const auto& space, int, int iv) {
+    const inner::SmallMatrix block =
+        argument == ARG0 ? space.carry(v.data() + iv) : space.right(v.data() + iv);
+    J.block(iv, iv, block.rows(), block.cols()) = block;
+  });
+}
+
+Eigen::MatrixXd dIntegrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef& v,
+                           ArgumentPosition argument) {
+  Eigen::MatrixXd J(model.nv, model.nv);
+  dIntegrate(model, q, v, J, argument);
+  return J;
+}
+
+void dDifference(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1, MatrixRef J,
+                 ArgumentPosition argument) {
+  checkConfiguration("dDifference", "q0", model, q0);
+  checkConfiguration("dDifference", "q1", model, q1);
+  inner::checkOut("dDifference", "J", J, model.nv, model.nv);
+  J.setZero();
+  forEachSpace(model, [&](const auto& space, int iq, int iv) {
+    // difference(q0, q1) = d: moving q1 is a change behind d, moving q0 one before it
+    double d[6];
+    space.difference(q0.data() + iq, q1.data() + iq, d);
+    inner::SmallMatrix block;
+    if (argument == ARG1) {
+      block = space.rightInverse(d);
+    } else {
+      for (double& x : d) x = -x;
+      block = -space.rightInverse(d);
+    }
+    J.block(iv, iv, block.rows(), block.cols()) = block;
+  });
+}
+
+Eigen::MatrixXd dDifference(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1,
+                            ArgumentPosition argument) {
+  Eigen::MatrixXd J(model.nv, model.nv);
+  dDifference(model, q0, q1, J, argument);
+  return J;
 }
 
 }  // namespace rbd

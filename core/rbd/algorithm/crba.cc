@@ -1,6 +1,8 @@
 #include "rbd/algorithm/crba.h"
 
+#include "rbd/algorithm/inner/joint_terms.h"
 #include "rbd/algorithm/inner/kernels.h"
+#include "rbd/algorithm/inner/mimic.h"
 #include "rbd/algorithm/inner/stages.h"
 
 namespace rbd {
@@ -11,22 +13,23 @@ namespace inner {
 // zero where neither dof moves the other.
 template <class S>
 void crbaKernel(const Model& model, const int* dof_parent, Scratch<S>& s, const S* q, S* M, int stride) {
-  const Joints& joints = model.packed();
+  const Joints& joints = model.tree().joints;
+  const int nv = model.tree().nv;
   angles(model, q, s);
   worldPoses(joints, q, s);
   worldColumns(joints, s);
   worldInertias(joints, s);
-  for (int k = 0; k < model.nv; ++k) {
-    for (int l = 0; l < model.nv; ++l) M[k * stride + l] = S(0);
+  for (int k = 0; k < nv; ++k) {
+    for (int l = 0; l < nv; ++l) M[k * stride + l] = S(0);
   }
 
   s.I[0] = RigidInertia<S>{};
-  for (int i = model.njoints - 1; i > 0; --i) {
+  for (int i = model.tree().size() - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
     // I[i] holds body i and all its children by now
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
       const Force<S> F = s.I[i] * s.column[k];
-      M[k * stride + k] = dot(s.column[k], F) + S(model.armature[k]);
+      M[k * stride + k] = dot(s.column[k], F);
       for (int l = dof_parent[k]; l >= 0; l = dof_parent[l]) {
         M[k * stride + l] = M[l * stride + k] = dot(s.column[l], F);
       }
@@ -44,7 +47,10 @@ template void crbaKernel(const Model&, const int*, Scratch<long double>&, const 
 const PaddedMatrix& crba(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("crba", model, data, q);
   inner::Workspace& work = data.work();
-  inner::crbaKernel(model, work.dofParent.data(), work.d, q.data(), data.M.data(), work.stride);
+  inner::crbaKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
+                    inner::treeColumns(model, work.M, data.M), work.stride);
+  inner::gatherBothSides(model, work.M, data.M);
+  for (int k = 0; k < model.nv; ++k) data.M(k, k) += inner::rotorOf(model, k);
   return data.M;
 }
 

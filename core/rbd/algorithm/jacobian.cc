@@ -1,13 +1,13 @@
 #include "rbd/algorithm/jacobian.h"
 
+#include "rbd/algorithm/inner/mimic.h"
 #include "rbd/algorithm/inner/public_face.h"
 
 namespace rbd {
 namespace {
 
-// Column k of data.J written in another reference; `pose` is the world pose of the frame asked for.
-Motion columnIn(const Data& data, int k, const SE3& pose, ReferenceFrame reference) {
-  const Motion world(data.J.col(k).head<3>(), data.J.col(k).tail<3>());
+// A WORLD motion written in another reference; `pose` is the world pose of the frame asked for.
+Motion columnIn(const Motion& world, const SE3& pose, ReferenceFrame reference) {
   if (reference == WORLD) return world;
   if (reference == LOCAL) return pose.actInv(world);
   return {world.angular(), world.linear() + world.angular().cross(pose.translation())};
@@ -17,12 +17,15 @@ Motion columnIn(const Data& data, int k, const SE3& pose, ReferenceFrame referen
 void fillJacobian(const Data& data, const Model& model, JointIndex joint, const SE3& pose,
                   ReferenceFrame reference, MatrixRef J) {
   J.setZero();
-  for (; joint > 0; joint = model.parents[joint]) {
-    const JointModel& kind = model.joints[joint];
-    for (int k = kind.idx_v(); k < kind.idx_v() + kind.nv(); ++k) {
-      const Motion column = columnIn(data, k, pose, reference);
-      J.block<3, 1>(0, k) = column.angular();
-      J.block<3, 1>(3, k) = column.linear();
+  const KernelTree& tree = model.tree();
+  const PaddedMatrix& all = tree.mimic.identity ? data.J : data.work().J;
+  for (int body = tree.bodyOf[joint]; body > 0; body = tree.joints[body].parent) {
+    const PackedJoint& above = tree.joints[body];
+    for (int k = above.idx_v; k < above.idx_v + above.nv; ++k) {
+      const Motion world(all.col(k).head<3>(), all.col(k).tail<3>());
+      const Motion column = tree.mimic.v_ratio[k] * columnIn(world, pose, reference);
+      J.block<3, 1>(0, tree.mimic.v_source[k]) += column.angular();
+      J.block<3, 1>(3, tree.mimic.v_source[k]) += column.linear();
     }
   }
 }
@@ -31,17 +34,21 @@ void fillJacobian(const Data& data, const Model& model, JointIndex joint, const 
 
 const PaddedMatrix& computeJointJacobians(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("computeJointJacobians", model, data, q);
-  inner::Scratch<double>& s = data.work().d;
-  inner::angles(model, q.data(), s);
-  inner::worldPoses(model.packed(), q.data(), s);
-  inner::worldColumns(model.packed(), s);
+  inner::Workspace& work = data.work();
+  inner::Scratch<double>& s = work.d;
+  const double* const tree_q = inner::treeQ(model, work, q);
+  inner::angles(model, tree_q, s);
+  inner::worldPoses(model.tree().joints, tree_q, s);
+  inner::worldColumns(model.tree().joints, s);
   inner::storeJointPoses(model, data);
   // from the centre to the world's origin: v_origin = v_centre + centre x w
-  for (int k = 0; k < model.nv; ++k) {
-    double* column = data.J.data() + 8 * k;
+  double* const J = inner::treeColumns(model, work.J, data.J);
+  for (int k = 0; k < model.tree().nv; ++k) {
+    double* column = J + 8 * k;
     s.column[k].w.storeU(column);
     (s.column[k].v + cross(s.centre, s.column[k].w)).storeU(column + 3);
   }
+  inner::gatherColumns(model, work.J, data.J);
   return data.J;
 }
 

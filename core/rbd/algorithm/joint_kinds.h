@@ -1,9 +1,10 @@
 // What a joint kind means inside the kernels: its pose, its motion, its effort. Nowhere else do kernels know
 // kinds.
 //
-// Every one-dof joint has been turned so that it moves about (kTurnZ) or along (kSlideZ) its local z. A kind
-// of more dofs names its columns; the world-axes algorithms then take them one dof after the other and see no
-// kind at all. All motion subspaces here are constant in the body: S_dot qd = v x S qd.
+// Joints with one axis have been turned so that they move about or along their local z. kTurnZ and kSlideZ
+// are nearly all there are and come first everywhere; the rest say where q puts the body (displacement),
+// which axes it moves along (S) and no more. The world-axes algorithms take dofs one after the other and see
+// no kind at all. All motion subspaces here are constant in the body: S_dot qd = v x S qd.
 #pragma once
 
 #include <cmath>
@@ -36,6 +37,71 @@ inline Mat3<S> quaternionMatrix(const S* q) {
           Vec3<S>::make(s * (x * z + y * w), s * (y * z - x * w), o - s * (x * x + y * y))};
 }
 
+// cos and sin of any length but zero, as a rotation about z.
+template <class S>
+inline Mat3<S> planeMatrix(S c, S s) {
+  using std::sqrt;
+  const S scale = S(1) / sqrt(c * c + s * s), o(0);
+  return {Vec3<S>::make(c * scale, s * scale, o), Vec3<S>::make(-s * scale, c * scale, o),
+          Vec3<S>::make(o, o, S(1))};
+}
+
+// Where q puts the body of a joint that neither turns nor slides only, from its place at q = 0.
+template <class S>
+inline Pose<S> displacement(const PackedJoint& joint, const S* q, const Scratch<S>& s) {
+  const S o(0);
+  q += joint.idx_q;
+  Pose<S> X;
+  X.R = Mat3<S>::identity();
+  X.p = Vec3<S>::zero();
+  switch (joint.kind) {
+    case kScrewZ:
+      X.R = planeMatrix(s.cosine[joint.idx_q], s.sine[joint.idx_q]);
+      X.p = Vec3<S>::make(o, o, q[0] * S(joint.pitch));
+      break;
+    case kBall:
+      X.R = quaternionMatrix(q);
+      break;
+    case kPlanar:
+      X.R = planeMatrix(q[2], q[3]);
+      X.p = Vec3<S>::make(q[0], q[1], o);
+      break;
+    case kTranslate:
+      X.p = Vec3<S>::loadU(q);
+      break;
+    default:
+      X.R = quaternionMatrix(q + 3);
+      X.p = Vec3<S>::loadU(q);
+  }
+  return X;
+}
+
+// S rate, in the joint's own axes.
+template <class S>
+inline Motion<S> subspaceTimes(const PackedJoint& joint, const S* rate) {
+  const S o(0);
+  const Vec3<S> zero = Vec3<S>::zero();
+  switch (joint.kind) {
+    case kScrewZ:
+      return {Vec3<S>::make(o, o, rate[0]), Vec3<S>::make(o, o, rate[0] * S(joint.pitch))};
+    case kBall:
+      return {Vec3<S>::loadU(rate), zero};
+    case kPlanar:
+      return {Vec3<S>::make(o, o, rate[2]), Vec3<S>::make(rate[0], rate[1], o)};
+    case kTranslate:
+      return {zero, Vec3<S>::loadU(rate)};
+    default:
+      return {Vec3<S>::loadU(rate), Vec3<S>::loadU(rate + 3)};
+  }
+}
+
+// The same S, dof by dof, for the kinds whose dofs lie along single axes: 0-2 turn about x y z, 3-5 slide.
+inline const int* dofAxes(int kind) {
+  static constexpr int ball[] = {0, 1, 2}, planar[] = {3, 4, 2}, translate[] = {3, 4, 5},
+                       free[] = {0, 1, 2, 3, 4, 5};
+  return kind == kBall ? ball : kind == kPlanar ? planar : kind == kTranslate ? translate : free;
+}
+
 // Pose of joint i in its parent, both ways. Needs sine and cosine.
 template <class S>
 inline void jointPose(const PackedJoint& joint, const S* q, const Scratch<S>& s, Pose<S>& X) {
@@ -50,9 +116,10 @@ inline void jointPose(const PackedJoint& joint, const S* q, const Scratch<S>& s,
     X.Rt = Mat3<S>::load(joint.placeT);
     X.p = X.p + place.c2 * q[joint.idx_q];
   } else {
-    X.R = place * quaternionMatrix(q + joint.idx_q + 3);
+    const Pose<S> moved = displacement(joint, q, s);
+    X.R = place * moved.R;
     X.Rt = X.R.transposed();
-    X.p = X.p + place * Vec3<S>::loadU(q + joint.idx_q);
+    X.p = X.p + place * moved.p;
   }
 }
 
@@ -62,7 +129,7 @@ inline Motion<S> plusJoint(const PackedJoint& joint, const Motion<S>& m, const S
   const S o(0);
   if (joint.kind == kTurnZ) return {m.w + Vec3<S>::make(o, o, rate[0]), m.v};
   if (joint.kind == kSlideZ) return {m.w, m.v + Vec3<S>::make(o, o, rate[0])};
-  return {m.w + Vec3<S>::loadU(rate), m.v + Vec3<S>::loadU(rate + 3)};
+  return m + subspaceTimes(joint, rate);
 }
 
 // v x S rate, in the joint's own axes.
@@ -70,7 +137,7 @@ template <class S>
 inline Motion<S> crossJoint(const PackedJoint& joint, const Motion<S>& v, const S* rate) {
   if (joint.kind == kTurnZ) return {crossZ(v.w, rate[0]), crossZ(v.v, rate[0])};
   if (joint.kind == kSlideZ) return {Vec3<S>::zero(), crossZ(v.w, rate[0])};
-  return cross(v, Motion<S>{Vec3<S>::loadU(rate), Vec3<S>::loadU(rate + 3)});
+  return cross(v, subspaceTimes(joint, rate));
 }
 
 // S' f, in the joint's own axes.
@@ -80,9 +147,11 @@ inline void jointEffort(const PackedJoint& joint, const Force<S>& f, S* tau) {
     tau[0] = f.n[2];
   } else if (joint.kind == kSlideZ) {
     tau[0] = f.f[2];
+  } else if (joint.kind == kScrewZ) {
+    tau[0] = f.n[2] + f.f[2] * S(joint.pitch);
   } else {
-    f.n.storeU(tau);
-    f.f.storeU(tau + 3);
+    const int* axis = dofAxes(joint.kind);
+    for (int k = 0; k < joint.nv; ++k) tau[k] = axis[k] < 3 ? f.n[axis[k]] : f.f[axis[k] - 3];
   }
 }
 
@@ -99,8 +168,9 @@ inline void worldPose(const PackedJoint& joint, int i, const S* q, Scratch<S>& s
     s.R[i] = T;
     s.p[i] = s.p[i] + T.c2 * q[joint.idx_q];
   } else {
-    s.R[i] = T * quaternionMatrix(q + joint.idx_q + 3);
-    s.p[i] = s.p[i] + T * Vec3<S>::loadU(q + joint.idx_q);
+    const Pose<S> moved = displacement(joint, q, s);
+    s.R[i] = T * moved.R;
+    s.p[i] = s.p[i] + T * moved.p;
   }
 }
 
@@ -115,13 +185,18 @@ inline void worldColumns(const PackedJoint& joint, int i, Scratch<S>& s) {
     column[0] = {R.c2, cross(p, R.c2)};
   } else if (joint.kind == kSlideZ) {
     column[0] = {zero, R.c2};
+  } else if (joint.kind == kScrewZ) {
+    column[0] = {R.c2, cross(p, R.c2) + R.c2 * S(joint.pitch)};
   } else {
-    column[0] = {R.c0, cross(p, R.c0)};
-    column[1] = {R.c1, cross(p, R.c1)};
-    column[2] = {R.c2, cross(p, R.c2)};
-    column[3] = {zero, R.c0};
-    column[4] = {zero, R.c1};
-    column[5] = {zero, R.c2};
+    const Vec3<S> axes[] = {R.c0, R.c1, R.c2};
+    const int* axis = dofAxes(joint.kind);
+    for (int k = 0; k < joint.nv; ++k) {
+      if (axis[k] < 3) {
+        column[k] = {axes[axis[k]], cross(p, axes[axis[k]])};
+      } else {
+        column[k] = {zero, axes[axis[k] - 3]};
+      }
+    }
   }
 }
 

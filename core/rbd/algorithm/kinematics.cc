@@ -1,34 +1,37 @@
 #include "rbd/algorithm/kinematics.h"
 
+#include "rbd/algorithm/inner/mimic.h"
 #include "rbd/algorithm/inner/public_face.h"
 
 namespace rbd {
 namespace {
 
-using inner::Scratch;
-
 // Velocities, and accelerations without gravity, of every joint in its own axes. Featherstone 2008,
 // table 5.1. Given null rates (qdd) they are left alone.
 void localMotions(const Model& model, Data& data, const double* q, const double* qd, const double* qdd) {
-  Scratch<double>& s = data.work().d;
-  const inner::Joints& joints = model.packed();
+  inner::Scratch<double>& s = data.work().d;
+  const inner::Joints& joints = model.tree().joints;
   s.v[0] = s.a[0] = inner::Motion<double>::zero();
-  for (int i = 1; i < model.njoints; ++i) {
+  for (int i = 1; i < model.tree().size(); ++i) {
     const PackedJoint& joint = joints[i];
     inner::jointPose(joint, q, s, s.X[i]);
     s.v[i] = inner::plusJoint(joint, s.X[i].toChild(s.v[joint.parent]), qd + joint.idx_v);
-    data.v[i] = inner::userMotion(joint, s.v[i]);
     if (!qdd) continue;
     const inner::Motion<double> carried =
         s.X[i].toChild(s.a[joint.parent]) + inner::crossJoint(joint, s.v[i], qd + joint.idx_v);
     s.a[i] = inner::plusJoint(joint, carried, qdd + joint.idx_v);
-    data.a[i] = inner::userMotion(joint, s.a[i]);
+  }
+  for (JointIndex j = 1; j < model.njoints; ++j) {
+    const int body = model.tree().bodyOf[j];
+    data.v[j] = inner::userMotion(joints[body], s.v[body]);
+    if (qdd) data.a[j] = inner::userMotion(joints[body], s.a[body]);
   }
 }
 
 void poses(const Model& model, Data& data, const ConstVectorRef& q) {
-  inner::angles(model, q.data(), data.work().d);
-  inner::worldPoses(model.packed(), q.data(), data.work().d);
+  const double* const tree_q = inner::treeQ(model, data.work(), q);
+  inner::angles(model, tree_q, data.work().d);
+  inner::worldPoses(model.tree().joints, tree_q, data.work().d);
   inner::storeJointPoses(model, data);
   inner::storeFramePoses(model, data);
   data.q_in = q;
@@ -51,7 +54,8 @@ void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q) 
 void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v) {
   inner::checkInputs("forwardKinematics", model, data, q, "v", v);
   poses(model, data, q);
-  localMotions(model, data, q.data(), v.data(), nullptr);
+  inner::Workspace& work = data.work();
+  localMotions(model, data, inner::treeQ(model, work, q), inner::treeV(model, work.v, v), nullptr);
   data.v_in = v;
   data.kinematics_order = 1;
 }
@@ -60,7 +64,9 @@ void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, 
                        const ConstVectorRef& a) {
   inner::checkInputs("forwardKinematics", model, data, q, "v", v, "a", a);
   poses(model, data, q);
-  localMotions(model, data, q.data(), v.data(), a.data());
+  inner::Workspace& work = data.work();
+  localMotions(model, data, inner::treeQ(model, work, q), inner::treeV(model, work.v, v),
+               inner::treeV(model, work.a, a));
   data.v_in = v;
   data.a_in = a;
   data.kinematics_order = 2;

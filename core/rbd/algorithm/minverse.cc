@@ -1,7 +1,10 @@
 #include "rbd/algorithm/minverse.h"
 
+#include "rbd/algorithm/cholesky.h"
+#include "rbd/algorithm/crba.h"
 #include "rbd/algorithm/inner/articulate.h"
 #include "rbd/algorithm/inner/check.h"
+#include "rbd/algorithm/inner/joint_terms.h"
 
 namespace rbd {
 namespace inner {
@@ -17,17 +20,18 @@ void coordinates(const Vec3<double>& angular, const Vec3<double>& linear, double
 // bodies beyond need when dof c is pushed; column c of P the acceleration of the body reached so far. Dofs
 // are taken in depth-first order, where what a dof moves is one range of columns. `W` (row k at W + k stride)
 // gets the upper triangle.
-int minverseKernel(const Model& model, Workspace& work, const double* q, double* W, double& d) {
+int minverseKernel(const Model& model, const double* rotor, Workspace& work, const double* q, double* W,
+                   double& d) {
   Scratch<double>& s = work.d;
-  const Joints& joints = model.packed();
+  const Joints& joints = model.tree().joints;
   const int nv = model.nv, stride = work.stride;
   angles(model, q, s);
   worldPoses(joints, q, s);
-  for (int i = 1; i < model.njoints; ++i) {
+  for (int i = 1; i < model.tree().size(); ++i) {
     worldColumns(joints[i], i, s);
     s.IA[i] = ArticulatedInertia<double>::rigid(worldInertia(joints[i], s.R[i], s.p[i]));
   }
-  const int singular = articulate(model, s, d, [](int, int, const Motion<double>&) {});
+  const int singular = articulate(joints, rotor, s, d, [](int, int, const Motion<double>&) {});
   if (singular >= 0) return singular;
 
   // inward: row k = - S_k' F / D_k, then F takes U_k times that row
@@ -84,11 +88,22 @@ int minverseKernel(const Model& model, Workspace& work, const double* q, double*
 const PaddedMatrix& computeMinverse(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("computeMinverse", model, data, q);
   inner::Workspace& work = data.work();
+  if (!model.tree().mimic.identity) {
+    // followers couple what the tree keeps apart: invert M itself
+    crba(model, data, q);
+    cholesky::decompose(model, data);
+    data.Minv.setIdentity();
+    for (int k = 0; k < model.nv; ++k) cholesky::solve(model, data, data.Minv.col(k));
+    for (int k = 0; k < model.nv; ++k) {
+      for (int l = 0; l < k; ++l) data.Minv(k, l) = data.Minv(l, k);
+    }
+    return data.Minv;
+  }
   const int nv = model.nv, stride = work.stride;
   // Minv is symmetric, so row k of the kernel is column k of the matrix
   double* const W = work.depthFirst ? data.Minv.data() : work.W.data();
   double d = 0;
-  const int singular = inner::minverseKernel(model, work, q.data(), W, d);
+  const int singular = inner::minverseKernel(model, inner::rotors(model, work), work, q.data(), W, d);
   if (singular >= 0) inner::failSingular("computeMinverse", model, singular, d);
   if (work.depthFirst) {
     for (int k = 0; k < nv; ++k) {

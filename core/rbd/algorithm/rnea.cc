@@ -1,6 +1,8 @@
 #include "rbd/algorithm/rnea.h"
 
+#include "rbd/algorithm/inner/joint_terms.h"
 #include "rbd/algorithm/inner/kernels.h"
+#include "rbd/algorithm/inner/mimic.h"
 #include "rbd/algorithm/inner/stages.h"
 
 namespace rbd {
@@ -9,8 +11,8 @@ namespace inner {
 // Featherstone 2008, table 5.1, every body in its own axes. qdd may be null: then it is zero.
 template <class S>
 void rneaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const S* qdd, S* tau) {
-  const Joints& joints = model.packed();
-  const int n = model.njoints;
+  const Joints& joints = model.tree().joints;
+  const int n = model.tree().size();
   angles(model, q, s);
 
   // outward: velocities and accelerations; a fixed base that accelerates upwards feels like gravity
@@ -37,26 +39,23 @@ void rneaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, cons
     jointEffort(joint, s.f[i], tau + joint.idx_v);
     s.f[joint.parent] = s.f[joint.parent] + s.X[i].toParent(s.f[i]);
   }
-  if (qdd) {
-    for (int k = 0; k < model.nv; ++k) tau[k] = tau[k] + S(model.armature[k]) * qdd[k];
-  }
 }
 
 // Gravity alone: a subtree of mass m and first moment h pulls with the wrench (h x g, m g).
 template <class S>
 void gravityKernel(const Model& model, Scratch<S>& s, const S* q, S* tau) {
-  const Joints& joints = model.packed();
+  const Joints& joints = model.tree().joints;
   angles(model, q, s);
   worldPoses(joints, q, s);
   const Vec3<S> g = gravity<S>(model);
   s.f[0] = Force<S>::zero();
-  for (int i = 1; i < model.njoints; ++i) {
+  for (int i = 1; i < model.tree().size(); ++i) {
     worldColumns(joints[i], i, s);
     const Vec3<S> c = s.p[i] + times(s.R[i], joints[i].com);
     const Vec3<S> f = g * S(joints[i].mass);
     s.f[i] = {cross(c, f), f};
   }
-  for (int i = model.njoints - 1; i > 0; --i) {
+  for (int i = model.tree().size() - 1; i > 0; --i) {
     for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) tau[k] = -dot(s.column[k], s.f[i]);
     s.f[joints[i].parent] = s.f[joints[i].parent] + s.f[i];
   }
@@ -74,7 +73,12 @@ template void gravityKernel(const Model&, Scratch<long double>&, const long doub
 const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
                             const ConstVectorRef& a) {
   inner::checkInputs("rnea", model, data, q, "v", v, "a", a);
-  inner::rneaKernel(model, data.work().d, q.data(), v.data(), a.data(), data.tau.data());
+  inner::Workspace& work = data.work();
+  inner::rneaKernel(model, work.d, inner::treeQ(model, work, q), inner::treeV(model, work.v, v),
+                    inner::treeV(model, work.a, a), inner::treeOut(model, work, data.tau));
+  inner::gather(model, work, data.tau);
+  inner::addRotorEfforts(model, a, data.tau);
+  inner::addFrictionEfforts(model, v, 1, data.tau);
   return data.tau;
 }
 
@@ -84,10 +88,21 @@ void rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVe
   tau = rnea(model, data, q, v, a);
 }
 
+const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                            const ConstVectorRef& a, const FrameWrenches& wrenches) {
+  rnea(model, data, q, v, a);
+  inner::addWrenchEfforts("rnea", model, data, q, wrenches, -1, data.tau);
+  return data.tau;
+}
+
 const Eigen::VectorXd& nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q,
                                         const ConstVectorRef& v) {
   inner::checkInputs("nonLinearEffects", model, data, q, "v", v);
-  inner::rneaKernel<double>(model, data.work().d, q.data(), v.data(), nullptr, data.nle.data());
+  inner::Workspace& work = data.work();
+  inner::rneaKernel<double>(model, work.d, inner::treeQ(model, work, q), inner::treeV(model, work.v, v),
+                            nullptr, inner::treeOut(model, work, data.nle));
+  inner::gather(model, work, data.nle);
+  inner::addFrictionEfforts(model, v, 1, data.nle);
   return data.nle;
 }
 
@@ -99,13 +114,22 @@ void nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q, c
 
 const Eigen::VectorXd& computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("computeGeneralizedGravity", model, data, q);
-  inner::gravityKernel(model, data.work().d, q.data(), data.g.data());
+  inner::Workspace& work = data.work();
+  inner::gravityKernel(model, work.d, inner::treeQ(model, work, q), inner::treeOut(model, work, data.g));
+  inner::gather(model, work, data.g);
   return data.g;
 }
 
 void computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q, VectorRef g) {
   inner::checkOut("computeGeneralizedGravity", "g", model, g, model.nv, "nv");
   g = computeGeneralizedGravity(model, data, q);
+}
+
+const Eigen::VectorXd& computeStaticTorque(const Model& model, Data& data, const ConstVectorRef& q,
+                                           const FrameWrenches& wrenches) {
+  data.tau = computeGeneralizedGravity(model, data, q);
+  inner::addWrenchEfforts("computeStaticTorque", model, data, q, wrenches, -1, data.tau);
+  return data.tau;
 }
 
 }  // namespace rbd

@@ -1,10 +1,10 @@
 // Inverse dynamics: recursive Newton-Euler.  tau = M(q) a + nle(q, v).  Source: Featherstone 2008, table 5.1.
 //
 // The references returned point into data and are overwritten by the next call; the twins write where you
-// say. Armature is part of M. Damping and dry friction are not added.
+// say. Rotors, damping and dry friction: as model.terms says.
 #pragma once
 
-#include "rbd/algorithm/kinematics.h"
+#include "rbd/algorithm/external_wrench.h"
 
 namespace rbd {
 
@@ -13,6 +13,10 @@ const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef
                             const ConstVectorRef& a);
 void rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
           const ConstVectorRef& a, VectorRef tau);
+
+// With wrenches from outside: tau = M a + nle - sum of J' f.
+const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                            const ConstVectorRef& a, const FrameWrenches& wrenches);
 
 // Efforts at a = 0: Coriolis, centrifugal and gravity: data.nle.
 const Eigen::VectorXd& nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q,
@@ -23,5 +27,9 @@ void nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q, c
 // Efforts at v = a = 0, that hold the robot against gravity: data.g. Equals dU/dq.
 const Eigen::VectorXd& computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q);
 void computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q, VectorRef g);
+
+// Efforts that hold the robot still against gravity and wrenches: data.tau.
+const Eigen::VectorXd& computeStaticTorque(const Model& model, Data& data, const ConstVectorRef& q,
+                                           const FrameWrenches& wrenches);
 
 }  // namespace rbd

@@ -17,7 +17,8 @@ Data::Data(const Model& model) : work_(std::make_unique<inner::Workspace>(model)
   M = PaddedMatrix(model.nv, model.nv);
   Minv = PaddedMatrix(model.nv, model.nv);
   Jcom = PaddedMatrix(3, model.nv);
-  for (Eigen::VectorXd* x : {&tau, &ddq, &nle, &g}) x->setZero(model.nv);
+  U = PaddedMatrix(model.nv, model.nv);
+  for (Eigen::VectorXd* x : {&tau, &ddq, &nle, &g, &D}) x->setZero(model.nv);
   com.assign(1, Eigen::Vector3d::Zero());
   vcom.assign(1, Eigen::Vector3d::Zero());
   mass.assign(1, 0.0);

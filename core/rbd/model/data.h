@@ -44,6 +44,8 @@ struct DataFields {
   PaddedMatrix M;     // n x n, joint-space inertia, both sides                        crba
   PaddedMatrix Minv;  // n x n, its inverse, both sides                                computeMinverse
   PaddedMatrix Jcom;  // 3 x n                                                         jacobianCenterOfMass
+  PaddedMatrix U;     // n x n unit upper triangular, M = U D U'                       cholesky::decompose
+  Eigen::VectorXd D;  // n                                                             cholesky::decompose
 
   Eigen::VectorXd tau;  // n, joint efforts                                            rnea
   Eigen::VectorXd ddq;  // n, joint accelerations                                      aba

@@ -32,8 +32,13 @@ struct Frame {
   Frame(const std::string& name, JointIndex parentJoint, const SE3& placement, FrameType type)
       : name(name), parentJoint(parentJoint), placement(placement), type(type) {}
   Frame(const std::string& name, JointIndex parentJoint, FrameIndex parentFrame, const SE3& placement,
-        FrameType type)
-      : name(name), parentJoint(parentJoint), parentFrame(parentFrame), placement(placement), type(type) {}
+        FrameType type, const Inertia& inertia = Inertia::Zero())
+      : name(name),
+        parentJoint(parentJoint),
+        parentFrame(parentFrame),
+        placement(placement),
+        type(type),
+        inertia(inertia) {}
 
   std::string name;
   JointIndex parentJoint = 0;  // the joint it moves with; 0 = the universe
@@ -41,6 +46,7 @@ struct Frame {
       0;          // the frame it was attached to (a link's joint, a joint's link); for tree prints
   SE3 placement;  // in the frame of parentJoint
   FrameType type = OP_FRAME;
+  Inertia inertia;  // of this body alone, in this frame (a link of the URDF); zero where there is none
 };
 
 }  // namespace rbd

@@ -1,16 +1,24 @@
 // Joints as a user names them: kind, axis, how many numbers they take. Plain values.
 //
-// This file and joint.cc are the place that names joint kinds and counts their numbers; what a kind does
-// inside the algorithms lives in algorithm/joint_kinds.h, how its configurations are added and compared in
-// algorithm/configuration.cc. A new kind is one line in each.
+// A kind is a row of the table in joint.cc (name, nq, nv, manifold, kernel); what a kernel does with it is in
+// algorithm/joint_kinds.h, how configurations of a manifold are added and compared in
+// algorithm/inner/manifold.h. A new kind is a row there, and code only if kernel or manifold are new.
 //
-//   kind                          shortname                      q                       v
-//   universe (joint 0, fixed)     FIXED                          -                       -
-//   revolute                      RX RY RZ RevoluteUnaligned     angle                   rate
-//   continuous (no limit)         CX CY CZ ContinuousUnaligned   one unbounded angle     rate
-//   prismatic                     PX PY PZ PrismaticUnaligned    position                rate
-//   free-flyer                    FreeFlyer                      position, quaternion xyzw   body twist,
-//   angular first
+//   kind                    shortname                      q                              v
+//   universe (joint 0)      FIXED                          -                              -
+//   revolute                RX RY RZ RevoluteUnaligned     angle                          rate
+//   continuous (no limit)   CX CY CZ ContinuousUnaligned   one unbounded angle            rate
+//   prismatic               PX PY PZ PrismaticUnaligned    position                       rate
+//   helical                 HX HY HZ HelicalUnaligned      angle (slides by pitch*angle)  rate
+//   universal               Universal                      two angles                     two rates
+//   spherical               Spherical                      quaternion xyzw                angular, body axes
+//   planar                  Planar                         x y cos sin                    vx vy wz, body axes
+//   translation             Translation                    x y z                          rates
+//   free-flyer              FreeFlyer                      x y z, quaternion xyzw         body twist, angular
+//   first
+//
+// A one-dof joint may follow another (Model::setMimic): then it has nq = nv = 0 and idx_q, idx_v are those of
+// the joint it follows.
 #pragma once
 
 #include <string>
@@ -22,7 +30,27 @@ namespace rbd {
 using JointIndex = int;
 using FrameIndex = int;
 
-enum class JointKind { Fixed, Revolute, Continuous, Prismatic, FreeFlyer };
+enum class JointKind {
+  Fixed,
+  Revolute,
+  Continuous,
+  Prismatic,
+  Helical,
+  Universal,
+  Spherical,
+  Planar,
+  Translation,
+  FreeFlyer
+};
+
+// Where the configurations of a joint live.
+enum class Manifold {
+  Angles,      // nq = nv, angles that add
+  Lengths,     // nq = nv, lengths that add
+  Rotation,    // unit quaternion
+  PlanarPose,  // x y cos sin
+  Pose         // position, unit quaternion
+};
 
 class JointModel {
  public:
@@ -30,25 +58,37 @@ class JointModel {
   JointModel() = default;
 
   JointKind kind() const { return kind_; }
-  // Unit axis in the joint's frame; zero where a kind has none.
+  Manifold manifold() const;
+  // Unit axis in the joint's frame; zero where a kind has none. Planar: the normal. Universal: the first
+  // axis, fixed in the parent; axis2() is fixed in the child.
   const Eigen::Vector3d& axis() const { return axis_; }
+  const Eigen::Vector3d& axis2() const { return axis2_; }
+  double pitch() const { return pitch_; }  // helical: m/rad
   std::string shortname() const;
-  int nq() const;
-  int nv() const;
-  // Where this joint's numbers start in q and in v; set by Model::addJoint, -1 before.
+  int nq() const { return mimics_ ? 0 : kind_nq(); }
+  int nv() const { return mimics_ ? 0 : kind_nv(); }
+  // Numbers of the kind, whether it follows another joint or not.
+  int kind_nq() const;
+  int kind_nv() const;
+  // Where this joint's numbers start in q and in v; set by Model, -1 before.
   int idx_q() const { return idx_q_; }
   int idx_v() const { return idx_v_; }
+  bool mimics() const { return mimics_; }
 
  protected:
-  // Normalises `axis`; throws std::invalid_argument when it is zero or not finite.
-  JointModel(JointKind kind, const Eigen::Vector3d& axis);
   explicit JointModel(JointKind kind) : kind_(kind) {}
+  // Normalises the axes; throws std::invalid_argument when one is zero or not finite.
+  JointModel(JointKind kind, const Eigen::Vector3d& axis);
+  JointModel(JointKind kind, const Eigen::Vector3d& axis, double pitch);
+  JointModel(JointKind kind, const Eigen::Vector3d& axis, const Eigen::Vector3d& axis2);
 
  private:
   friend class Model;
   JointKind kind_ = JointKind::Fixed;
-  Eigen::Vector3d axis_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d axis_ = Eigen::Vector3d::Zero(), axis2_ = Eigen::Vector3d::Zero();
+  double pitch_ = 0;
   int idx_q_ = -1, idx_v_ = -1;
+  bool mimics_ = false;
 };
 
 // About or along any axis (normalised here; its sign is kept).
@@ -86,6 +126,36 @@ struct JointModelPY : JointModelPrismaticUnaligned {
 };
 struct JointModelPZ : JointModelPrismaticUnaligned {
   JointModelPZ() : JointModelPrismaticUnaligned(0, 0, 1) {}
+};
+// Turns by q about the axis and slides by pitch q along it. Throws when pitch is not finite.
+struct JointModelHelicalUnaligned : JointModel {
+  JointModelHelicalUnaligned(const Eigen::Vector3d& axis, double pitch)
+      : JointModel(JointKind::Helical, axis, pitch) {}
+};
+struct JointModelHX : JointModelHelicalUnaligned {
+  explicit JointModelHX(double pitch) : JointModelHelicalUnaligned({1, 0, 0}, pitch) {}
+};
+struct JointModelHY : JointModelHelicalUnaligned {
+  explicit JointModelHY(double pitch) : JointModelHelicalUnaligned({0, 1, 0}, pitch) {}
+};
+struct JointModelHZ : JointModelHelicalUnaligned {
+  explicit JointModelHZ(double pitch) : JointModelHelicalUnaligned({0, 0, 1}, pitch) {}
+};
+// Turns by q[0] about `first`, then by q[1] about `second` (which is carried along). Not parallel.
+struct JointModelUniversal : JointModel {
+  JointModelUniversal(const Eigen::Vector3d& first, const Eigen::Vector3d& second)
+      : JointModel(JointKind::Universal, first, second) {}
+};
+struct JointModelSpherical : JointModel {
+  JointModelSpherical() : JointModel(JointKind::Spherical) {}
+};
+// Slides in the plane across `normal` and turns about it. With normal z, x and y are the frame's own.
+struct JointModelPlanar : JointModel {
+  explicit JointModelPlanar(const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ())
+      : JointModel(JointKind::Planar, normal) {}
+};
+struct JointModelTranslation : JointModel {
+  JointModelTranslation() : JointModel(JointKind::Translation) {}
 };
 struct JointModelFreeFlyer : JointModel {
   JointModelFreeFlyer() : JointModel(JointKind::FreeFlyer) {}

@@ -1,7 +1,9 @@
 #include "rbd/model/model.h"
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "rbd/model/near_names.h"
 
@@ -22,18 +24,40 @@ void append(Eigen::VectorXd& all, const Eigen::VectorXd& tail) {
   all.tail(tail.size()) = tail;
 }
 
-// `limit` must have n entries that are not NaN and not below `least`.
-void requireLimit(const std::string& joint, const char* what, const Eigen::VectorXd& limit, int n,
-                  double least) {
+void erase(Eigen::VectorXd& all, int at) {
+  const Eigen::Index rest = all.size() - at - 1;
+  all.segment(at, rest) = Eigen::VectorXd(all.tail(rest));
+  all.conservativeResize(all.size() - 1);
+}
+
+// `limit` with `n` entries that are not NaN; an empty one becomes n times `fallback`.
+Eigen::VectorXd bound(const std::string& joint, const char* what, const Eigen::VectorXd& limit, int n,
+                      double fallback) {
+  if (limit.size() == 0) return Eigen::VectorXd::Constant(n, fallback);
   if (limit.size() != n) {
     fail("addJoint '" + joint + "': " + what + " limit has " + std::to_string(limit.size()) +
          " entries, the joint needs " + std::to_string(n));
   }
+  if (limit.hasNaN()) fail("addJoint '" + joint + "': " + what + " limit must not be nan");
+  return limit;
+}
+
+struct Bounds {
+  Eigen::VectorXd lower, upper;
+};
+
+Bounds bounds(const std::string& joint, const std::string& what, const Eigen::VectorXd& lower,
+              const Eigen::VectorXd& upper, int n) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const Bounds both = {bound(joint, ("lower " + what).c_str(), lower, n, -inf),
+                       bound(joint, ("upper " + what).c_str(), upper, n, inf)};
   for (int k = 0; k < n; ++k) {
-    if (!(limit[k] >= least)) {
-      fail("addJoint '" + joint + "': " + what + " limit must not be " + std::to_string(limit[k]));
+    if (both.lower[k] > both.upper[k]) {
+      fail("addJoint '" + joint + "': lower " + what + " limit " + std::to_string(both.lower[k]) +
+           " is above upper " + what + " limit " + std::to_string(both.upper[k]));
     }
   }
+  return both;
 }
 
 void storeMatrix(double* out, const Eigen::Matrix3d& m) {
@@ -48,8 +72,10 @@ void storeVector(double* out, const Eigen::Vector3d& v) {
   out[3] = 0;
 }
 
+// The moving body's kernel frame in the user's frame of the joint.
 Eigen::Matrix3d turnOf(const JointModel& joint) {
-  return joint.axis().isZero() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : turnZTo(joint.axis());
+  const Eigen::Vector3d& axis = joint.kind() == JointKind::Universal ? joint.axis2() : joint.axis();
+  return axis.isZero() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : turnZTo(axis);
 }
 
 KernelKind kernelKind(JointKind kind) {
@@ -58,13 +84,45 @@ KernelKind kernelKind(JointKind kind) {
       return kNone;
     case JointKind::Revolute:
     case JointKind::Continuous:
+    case JointKind::Universal:  // each of its two
       return kTurnZ;
     case JointKind::Prismatic:
       return kSlideZ;
+    case JointKind::Helical:
+      return kScrewZ;
+    case JointKind::Spherical:
+      return kBall;
+    case JointKind::Planar:
+      return kPlanar;
+    case JointKind::Translation:
+      return kTranslate;
     case JointKind::FreeFlyer:
       return kFree;
   }
   return kNone;
+}
+
+// Kernel frames before (`up`) and behind (`turn`) a joint that stands at `placement` between the user's
+// frames.
+void placeKernelFrame(PackedJoint& p, const Eigen::Matrix3d& up, const SE3& placement,
+                      const Eigen::Matrix3d& turn) {
+  const Eigen::Matrix3d place = up.transpose() * placement.rotation() * turn;
+  storeMatrix(p.turn, turn);
+  storeMatrix(p.turnT, turn.transpose());
+  storeMatrix(p.place, place);
+  storeMatrix(p.placeT, place.transpose());
+  storeVector(p.offset, Eigen::Vector3d(up.transpose() * placement.translation()));
+}
+
+// A body given in the user's frame of its joint.
+void storeBody(PackedJoint& p, const Inertia& body, const Eigen::Matrix3d& turn) {
+  const Eigen::Vector3d com = turn.transpose() * body.lever();
+  const Eigen::Matrix3d inertia = turn.transpose() * body.inertia() * turn;
+  storeMatrix(p.inertia, inertia);
+  storeMatrix(p.inertiaO, Inertia(body.mass(), com, inertia).matrix().topLeftCorner<3, 3>());
+  storeVector(p.com, com);
+  storeVector(p.moment, Eigen::Vector3d(body.mass() * com));
+  p.mass = body.mass();
 }
 
 }  // namespace
@@ -78,7 +136,9 @@ Model::Model() : gravity(Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, -9.81)) 
   frames.items_.emplace_back("universe", 0, SE3::Identity(), FIXED_JOINT);
   jointByName_["universe"] = 0;
   frameByName_["universe"] = 0;
-  packed_.resize(1);
+  mimics_.resize(1);
+  tree_.bodyOf.push_back(0);
+  tree_.joints.resize(1);
   pack(0);
 }
 
@@ -91,61 +151,161 @@ void Model::requireJoint(const char* function, JointIndex joint) const {
 
 JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
                            const std::string& joint_name) {
-  const double inf = std::numeric_limits<double>::infinity();
-  const auto all = [](int n, double x) { return Eigen::VectorXd::Constant(n, x); };
-  return addJoint(parent, joint, placement, joint_name, all(joint.nv(), inf), all(joint.nv(), inf),
-                  all(joint.nq(), -inf), all(joint.nq(), inf));
+  return addJoint(parent, joint, placement, joint_name, JointLimits{});
 }
 
 JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
                            const std::string& joint_name, const Eigen::VectorXd& effort,
                            const Eigen::VectorXd& velocity, const Eigen::VectorXd& lower,
                            const Eigen::VectorXd& upper) {
+  for (const auto& [what, limit] : {std::pair("effort", &effort), std::pair("velocity", &velocity)}) {
+    for (const double x : *limit) {
+      if (x < 0) fail("addJoint '" + joint_name + "': " + what + " limit must not be " + std::to_string(x));
+    }
+  }
+  return addJoint(parent, joint, placement, joint_name,
+                  JointLimits{lower, upper, -velocity, velocity, -effort, effort});
+}
+
+JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
+                           const std::string& joint_name, const JointLimits& limits) {
   // check everything first, so that a refused joint leaves no trace
   requireJoint("addJoint", parent);
   if (joint.kind() == JointKind::Fixed)
     fail("addJoint '" + joint_name + "': a fixed joint is a frame, use addFrame");
   if (existJointName(joint_name)) fail("addJoint: a joint '" + joint_name + "' exists already");
   requirePose("addJoint '" + joint_name + "'", placement);
-  const double inf = std::numeric_limits<double>::infinity();
-  requireLimit(joint_name, "effort", effort, joint.nv(), 0);
-  requireLimit(joint_name, "velocity", velocity, joint.nv(), 0);
-  requireLimit(joint_name, "lower", lower, joint.nq(), -inf);
-  requireLimit(joint_name, "upper", upper, joint.nq(), -inf);
-  for (int k = 0; k < joint.nq(); ++k) {
-    if (lower[k] > upper[k]) {
-      fail("addJoint '" + joint_name + "': lower limit " + std::to_string(lower[k]) +
-           " is above upper limit " + std::to_string(upper[k]));
-    }
-  }
+  const int joint_nq = joint.kind_nq(), joint_nv = joint.kind_nv();
+  const Bounds effort = bounds(joint_name, "effort", limits.lowerEffort, limits.upperEffort, joint_nv);
+  const Bounds speed = bounds(joint_name, "velocity", limits.lowerVelocity, limits.upperVelocity, joint_nv);
+  const Bounds position =
+      bounds(joint_name, "position", limits.lowerPosition, limits.upperPosition, joint_nq);
 
   const JointIndex index = njoints++;
   joints.items_.push_back(joint);
-  joints.items_.back().idx_q_ = nq;
-  joints.items_.back().idx_v_ = nv;
-  nq += joint.nq();
-  nv += joint.nv();
+  joints.items_.back().mimics_ = false;
+  mimics_.emplace_back();
+  nq += joint_nq;
+  nv += joint_nv;
   names.items_.push_back(joint_name);
   parents.items_.push_back(parent);
   jointPlacements.items_.push_back(placement);
   inertias.items_.emplace_back();
-  append(effortLimit, effort);
-  append(velocityLimit, velocity);
-  append(lowerPositionLimit, lower);
-  append(upperPositionLimit, upper);
-  const Eigen::VectorXd zeros = Eigen::VectorXd::Zero(joint.nv());
-  append(armature, zeros);
-  append(damping, zeros);
-  append(friction, zeros);
-  jointByName_[joint_name] = index;
-  packed_.resize(static_cast<std::size_t>(njoints));
-  pack(index);
-  for (const int x : {static_cast<int>(parent), static_cast<int>(joint.kind())}) {
-    topology_ = (topology_ ^ static_cast<std::uint64_t>(x)) * 1099511628211u;
+  append(lowerEffortLimit, effort.lower);
+  append(upperEffortLimit, effort.upper);
+  append(lowerVelocityLimit, speed.lower);
+  append(upperVelocityLimit, speed.upper);
+  append(lowerPositionLimit, position.lower);
+  append(upperPositionLimit, position.upper);
+  for (Eigen::VectorXd* x : {&armature, &rotorInertia, &rotorGearRatio, &damping, &friction}) {
+    append(*x, Eigen::VectorXd::Zero(joint_nv));
   }
+  jointByName_[joint_name] = index;
+
+  joints.items_.back().idx_q_ = nq - joint_nq;
+  joints.items_.back().idx_v_ = nv - joint_nv;
+  grow(joint, parent);
+  pack(index);
+  mapJoint(index);
+  hash(parent);
+  hash(static_cast<int>(joint.kind()));
   const FrameIndex parent_frame = getFrameId(names[parent], FrameType(JOINT | FIXED_JOINT));
   addFrame(Frame(joint_name, index, parent_frame, SE3::Identity(), JOINT));
   return index;
+}
+
+void Model::grow(const JointModel& joint, JointIndex parent) {
+  const int count = joint.kind() == JointKind::Universal ? 2 : 1;
+  for (int k = 0; k < count; ++k) {
+    PackedJoint p{};
+    p.parent = k == 0 ? tree_.bodyOf[parent] : tree_.size() - 1;
+    p.kind = kernelKind(joint.kind());
+    p.pitch = joint.pitch();
+    p.idx_q = tree_.nq;
+    p.idx_v = tree_.nv;
+    p.nv = joint.kind_nv() / count;
+    tree_.nq += joint.kind_nq() / count;
+    tree_.nv += p.nv;
+    tree_.joints.push_back(p);
+  }
+  tree_.bodyOf.push_back(tree_.size() - 1);
+}
+
+void Model::setMimic(JointIndex follower, JointIndex leader, double multiplier, double offset) {
+  requireJoint("setMimic", follower);
+  requireJoint("setMimic", leader);
+  const std::string what = "setMimic '" + names[follower] + "' to '" + names[leader] + "': ";
+  for (const JointIndex j : {follower, leader}) {
+    if (joints[j].kind_nv() != 1)
+      fail(what + "'" + names[j] + "' is " + joints[j].shortname() +
+           ", only joints of one degree of freedom mimic");
+  }
+  if (!std::isfinite(multiplier) || !std::isfinite(offset))
+    fail(what + "multiplier and offset must be finite");
+  for (JointIndex j = leader; j >= 0; j = mimics_[j].leader) {
+    if (j == follower) fail(what + "a joint cannot follow itself");
+  }
+  if (!joints[follower].mimics()) {
+    const int v = joints[follower].idx_v(), q = joints[follower].idx_q();
+    for (Eigen::VectorXd* x : {&lowerVelocityLimit, &upperVelocityLimit, &lowerEffortLimit, &upperEffortLimit,
+                               &armature, &rotorInertia, &rotorGearRatio, &damping, &friction}) {
+      erase(*x, v);
+    }
+    erase(lowerPositionLimit, q);
+    erase(upperPositionLimit, q);
+    --nq;
+    --nv;
+    joints.items_[follower].mimics_ = true;
+  }
+  mimics_[follower] = {leader, multiplier, offset};
+  hash(-1 - follower);
+  hash(leader);
+  renumber();
+}
+
+void Model::renumber() {
+  int q = 0, v = 0;
+  for (JointIndex j = 1; j < njoints; ++j) {
+    JointModel& joint = joints.items_[j];
+    joint.idx_q_ = q;
+    joint.idx_v_ = v;
+    q += joint.nq();
+    v += joint.nv();
+  }
+  for (JointIndex j = 1; j < njoints; ++j) {
+    if (!joints[j].mimics()) continue;
+    JointIndex leader = j;
+    while (joints[leader].mimics()) leader = mimics_[leader].leader;
+    joints.items_[j].idx_q_ = joints[leader].idx_q();
+    joints.items_[j].idx_v_ = joints[leader].idx_v();
+    tree_.mimic.identity = false;
+  }
+  for (JointIndex j = 1; j < njoints; ++j) mapJoint(j);
+}
+
+void Model::mapJoint(JointIndex j) {
+  double ratio = 1, offset = 0;  // q of joint j = ratio * q of joint `leader` + offset
+  for (JointIndex leader = j; joints[leader].mimics(); leader = mimics_[leader].leader) {
+    offset += ratio * mimics_[leader].offset;
+    ratio *= mimics_[leader].multiplier;
+  }
+  MimicMap& map = tree_.mimic;
+  map.q_source.resize(tree_.nq);
+  map.q_ratio.resize(tree_.nq);
+  map.q_offset.resize(tree_.nq);
+  map.v_source.resize(tree_.nv);
+  map.v_ratio.resize(tree_.nv);
+  const int first = tree_.bodyOf[j] - (joints[j].kind() == JointKind::Universal ? 1 : 0);
+  const int at_q = tree_.joints[first].idx_q, at_v = tree_.joints[first].idx_v;
+  for (int k = 0; k < joints[j].kind_nq(); ++k) {
+    map.q_source[at_q + k] = joints[j].idx_q() + k;
+    map.q_ratio[at_q + k] = ratio;
+    map.q_offset[at_q + k] = offset;
+  }
+  for (int k = 0; k < joints[j].kind_nv(); ++k) {
+    map.v_source[at_v + k] = joints[j].idx_v() + k;
+    map.v_ratio[at_v + k] = ratio;
+  }
 }
 
 void Model::appendBodyToJoint(JointIndex joint, const Inertia& body, const SE3& placement) {
@@ -166,14 +326,17 @@ FrameIndex Model::addFrame(const Frame& frame) {
   if (existFrame(frame.name, frame.type)) {
     fail("addFrame: a frame '" + frame.name + "' of type " + frameTypeName(frame.type) + " exists already");
   }
+  if (frame.inertia.mass() != 0 || !frame.inertia.inertia().isZero(0)) {
+    appendBodyToJoint(frame.parentJoint, frame.inertia, frame.placement);
+  }
   frames.items_.push_back(frame);
   frameByName_.emplace(frame.name, nframes);
   return nframes++;
 }
 
 FrameIndex Model::addBodyFrame(const std::string& frame_name, JointIndex parent, const SE3& placement,
-                               FrameIndex parentFrame) {
-  return addFrame(Frame(frame_name, parent, parentFrame, placement, BODY));
+                               FrameIndex parentFrame, const Inertia& inertia) {
+  return addFrame(Frame(frame_name, parent, parentFrame, placement, BODY, inertia));
 }
 
 FrameIndex Model::getFrameId(const std::string& frame_name, FrameType types) const {
@@ -234,30 +397,17 @@ void Model::setFramePlacement(FrameIndex frame, const SE3& placement) {
 
 void Model::pack(JointIndex i) {
   const JointModel& joint = joints[i];
-  const Eigen::Matrix3d turn = turnOf(joint), parent_turn = turnOf(joints[parents[i]]);
-  const SE3& placement = jointPlacements[i];
-  const Inertia& body = inertias[i];
-  const Eigen::Matrix3d place = parent_turn.transpose() * placement.rotation() * turn;
-  const Eigen::Vector3d com = turn.transpose() * body.lever();
-  const Eigen::Matrix3d inertia = turn.transpose() * body.inertia() * turn;
-
-  PackedJoint& p = packed_[static_cast<std::size_t>(i)];
-  p = PackedJoint{};
-  storeMatrix(p.turn, turn);
-  storeMatrix(p.turnT, turn.transpose());
-  storeMatrix(p.place, place);
-  storeMatrix(p.placeT, place.transpose());
-  storeVector(p.offset, Eigen::Vector3d(parent_turn.transpose() * placement.translation()));
-  storeMatrix(p.inertia, inertia);
-  storeMatrix(p.inertiaO, Inertia(body.mass(), com, inertia).matrix().topLeftCorner<3, 3>());
-  storeVector(p.com, com);
-  storeVector(p.moment, Eigen::Vector3d(body.mass() * com));
-  p.mass = body.mass();
-  p.parent = parents[i];
-  p.kind = kernelKind(joint.kind());
-  p.idx_q = joint.idx_q();
-  p.idx_v = joint.idx_v();
-  p.nv = joint.nv();
+  const Eigen::Matrix3d turn = turnOf(joint);
+  PackedJoint& body = tree_.joints[static_cast<std::size_t>(tree_.bodyOf[i])];
+  if (joint.kind() == JointKind::Universal) {
+    PackedJoint& first = *(&body - 1);
+    const Eigen::Matrix3d between = turnZTo(joint.axis());
+    placeKernelFrame(first, turnOf(joints[parents[i]]), jointPlacements[i], between);
+    placeKernelFrame(body, between, SE3::Identity(), turn);
+  } else {
+    placeKernelFrame(body, turnOf(joints[parents[i]]), jointPlacements[i], turn);
+  }
+  storeBody(body, inertias[i], turn);
 }
 
 }  // namespace rbd

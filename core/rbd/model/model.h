@@ -3,7 +3,7 @@
 // Joint 0 is the universe. A parent is always added before its children, so parents[i] < i. Build it with
 // addJoint and appendBodyToJoint (or from URDF), then share it const between threads; each thread makes its
 // own Data. A Model may be extended later: Data made before no longer fits and the algorithms say so. SI
-// units, radians; vectors of limits have nv entries (lower and upper: nq). Errors: std::invalid_argument with
+// units, radians; position limits have nq entries, all other vectors nv. Errors: std::invalid_argument with
 // names and values; nothing is changed when a call throws.
 #pragma once
 
@@ -21,6 +21,28 @@
 namespace rbd {
 
 struct Data;
+
+// Bounds of one joint, in its own numbers. An empty vector means no bound.
+struct JointLimits {
+  Eigen::VectorXd lowerPosition, upperPosition;  // nq
+  Eigen::VectorXd lowerVelocity, upperVelocity;  // nv
+  Eigen::VectorXd lowerEffort, upperEffort;      // nv
+};
+
+// That a joint follows another: q = multiplier * q(leader) + offset. leader < 0: it does not.
+struct Mimic {
+  JointIndex leader = -1;
+  double multiplier = 1, offset = 0;
+};
+
+// Which effects of the joints' mechanics are part of the dynamics:
+//   tau = (M + rotors) a + nle,   nle = bias + damping v + friction tanh(v / 0.01)
+struct JointTerms {
+  bool armature = true;   // Model::armature, in M
+  bool rotor = true;      // rotorGearRatio^2 rotorInertia, in M
+  bool damping = false;   // in rnea, nonLinearEffects, aba and their derivatives
+  bool friction = false;  // the same; smoothed below 0.01 rad/s or m/s
+};
 
 class Model {
  public:
@@ -46,28 +68,38 @@ class Model {
   Motion gravity;  // acceleration of free fall in the world; only its linear part is used
 
   Eigen::VectorXd lowerPositionLimit, upperPositionLimit;  // nq; -inf, +inf where nobody said
-  Eigen::VectorXd velocityLimit, effortLimit;              // nv; +inf where nobody said
-  Eigen::VectorXd
-      armature;  // nv, kg m^2 or kg: rotor inertia seen at the joint; part of M and of all dynamics
-  Eigen::VectorXd damping, friction;  // nv, N m s/rad and N m: for the simulator; no algorithm adds them
+  Eigen::VectorXd lowerVelocityLimit, upperVelocityLimit;  // nv; the same
+  Eigen::VectorXd lowerEffortLimit, upperEffortLimit;      // nv; the same
+  Eigen::VectorXd armature;                                // kg m^2 or kg: inertia seen at the joint
+  Eigen::VectorXd rotorInertia, rotorGearRatio;  // kg m^2 or kg, of the motor; motor turns per joint turn
+  Eigen::VectorXd damping, friction;             // N m s/rad and N m
+  JointTerms terms;                              // which of these four the algorithms see
 
   // Adds a joint below `parent` and one JOINT frame of the same name. `placement`: frame of the new joint at
   // neutral in the parent joint's frame. Returns its index.
   JointIndex addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
                       const std::string& name);
-  // With limits: effort and velocity (joint nv entries, >= 0), lower and upper (joint nq entries).
+  JointIndex addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
+                      const std::string& name, const JointLimits& limits);
+  // With symmetric limits: effort and velocity (joint nv entries, >= 0), lower and upper (joint nq entries).
   JointIndex addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
                       const std::string& name, const Eigen::VectorXd& effort, const Eigen::VectorXd& velocity,
                       const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+
+  // Lets a one-dof joint follow another one, which may follow a third: q = multiplier q(leader) + offset. The
+  // follower then has no numbers in q and v, and no limits, armature or friction of its own.
+  void setMimic(JointIndex follower, JointIndex leader, double multiplier = 1, double offset = 0);
+  const Mimic& mimic(JointIndex joint) const { return mimics_[static_cast<std::size_t>(joint)]; }
 
   // Welds a body to a joint's moving part; `placement`: the body's frame in the joint's frame.
   void appendBodyToJoint(JointIndex joint, const Inertia& body, const SE3& placement = SE3::Identity());
 
   // Adds a frame, returns its index. A name may be used once per type (a link may be called like its joint).
+  // A frame that carries inertia is a body: it is welded to its joint as by appendBodyToJoint.
   FrameIndex addFrame(const Frame& frame);
   // A frame of type BODY.
   FrameIndex addBodyFrame(const std::string& name, JointIndex parent, const SE3& placement = SE3::Identity(),
-                          FrameIndex parentFrame = 0);
+                          FrameIndex parentFrame = 0, const Inertia& inertia = Inertia::Zero());
 
   // Index by name, first hit among `types`; nframes / njoints when there is none.
   FrameIndex getFrameId(const std::string& name, FrameType types = ANY_FRAME) const;
@@ -86,16 +118,23 @@ class Model {
   // Scratch for one thread; needs rbd/model/data.h.
   Data createData() const;
 
-  // For the kernels: one entry per joint, universe included.
-  const std::vector<PackedJoint>& packed() const { return packed_; }
-  // A hash of the joints' kinds and parents: models that agree in it can share a Data.
+  // For the kernels.
+  const KernelTree& tree() const { return tree_; }
+  // A hash of the joints' kinds, parents and leaders: models that agree in it can share a Data.
   std::uint64_t topology() const { return topology_; }
 
  private:
   void requireJoint(const char* function, JointIndex joint) const;
   void pack(JointIndex joint);
+  // A new joint's bodies in the kernels' tree.
+  void grow(const JointModel& joint, JointIndex parent);
+  // Gives every joint its places in q and v, and makes the mimic map again.
+  void renumber();
+  void mapJoint(JointIndex joint);
+  void hash(int x) { topology_ = (topology_ ^ static_cast<std::uint64_t>(x)) * 1099511628211u; }
 
-  std::vector<PackedJoint> packed_;
+  KernelTree tree_;
+  std::vector<Mimic> mimics_;
   std::uint64_t topology_ = 14695981039346656037u;  // FNV-1a
   std::unordered_map<std::string, JointIndex> jointByName_;
   std::unordered_map<std::string, FrameIndex> frameByName_;  // first frame of that name

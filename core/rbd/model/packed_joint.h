@@ -1,10 +1,19 @@
-// What the kernels read of one joint, laid out for them. Users never see it.
+// What the kernels see of a robot: a tree of bodies, each behind a joint of a few simple kinds. Users never
+// see it.
 //
-// Every one-dof joint is TURNED when it is added: its kernel frame has the user's origin and a z axis along
-// the joint axis, so that one kernel moves all of them about or along z. Only here and at the public face do
-// the two frames meet:  R_user = R_kernel * turn^T.  Plain doubles, so that any scalar type can be loaded
-// from them; 3-vectors take 4 places (the last is 0), 3x3 matrices three such columns.
+// It differs from the user's Model in three ways, so that no kernel needs to know of them:
+// - every joint with one axis is TURNED: its kernel frame has the user's origin and a z axis along the joint
+//   axis, so that one kernel moves all of them about or along z. Where the two frames meet (here and at the
+//   public face):  R_user = R_kernel * turn^T;
+// - a universal joint is two turning joints with a massless body between;
+// - joints that mimic others are free: the tree has its own q and v (tree.nq, tree.nv entries), which a
+// linear
+//   map makes from the user's; efforts come back by the map's transpose (algorithm/inner/mimic.h).
+// Plain doubles, so that any scalar type can be loaded from them; 3-vectors take 4 places (the last is 0),
+// 3x3 matrices three such columns.
 #pragma once
+
+#include <vector>
 
 namespace rbd {
 
@@ -19,12 +28,31 @@ struct alignas(64) PackedJoint {
   double com[4];        // centre of mass from the joint's origin, kernel axes (m)
   double moment[4];     // mass * com (kg m)
   double mass;
-  int parent;
-  int kind;  // KernelKind
+  double pitch;  // kScrewZ: m/rad
+  int parent;    // in KernelTree::joints
+  int kind;      // KernelKind
   int idx_q, idx_v, nv;
 };
 
-// How a joint moves once it is turned; see algorithm/joint_kinds.h.
-enum KernelKind { kNone, kTurnZ, kSlideZ, kFree };
+// How a joint moves once it is turned; see algorithm/joint_kinds.h. In all of them the motion subspace is
+// constant in the moving body.
+enum KernelKind { kNone, kTurnZ, kSlideZ, kScrewZ, kBall, kPlanar, kTranslate, kFree };
+
+// From the user's q and v to the tree's:  q_tree[k] = ratio[k] q[source[k]] + offset[k], and v alike without
+// offset.
+struct MimicMap {
+  bool identity = true;  // nothing mimics: the tree's q and v are the user's
+  std::vector<int> q_source, v_source;
+  std::vector<double> q_ratio, q_offset, v_ratio;
+};
+
+struct KernelTree {
+  std::vector<PackedJoint> joints;  // [0] is the universe
+  std::vector<int> bodyOf;          // per joint of the model: the entry of `joints` that moves with it
+  int nq = 0, nv = 0;               // every joint free
+  MimicMap mimic;
+
+  int size() const { return static_cast<int>(joints.size()); }
+};
 
 }  // namespace rbd

@@ -83,4 +83,9 @@ class SE3 {
 SE3 exp6(const Motion& v);
 Motion log6(const SE3& m);
 
+// Left Jacobian of SE(3), angular first: exp6(v + dv) = exp6(J(v) dv) exp6(v) to first order. The right one
+// is J(-v). And its inverse. Source: Barfoot, State Estimation for Robotics, 2017, eq. 7.86.
+Matrix6d leftJacobian6(const Motion& v);
+Matrix6d leftJacobian6Inverse(const Motion& v);
+
 }  // namespace rbd

@@ -17,10 +17,25 @@ constexpr ReferenceFrame kReferences[] = {WORLD, LOCAL, LOCAL_WORLD_ALIGNED};
 // What a joint does, from its definition and the public SE3 alone.
 SE3 jointPose(const JointModel& joint, const Eigen::VectorXd& q) {
   const double* x = q.data() + joint.idx_q();
+  const auto turn = [](const Eigen::Vector3d& axis, double angle) {
+    return SE3(exp3(axis * angle), Eigen::Vector3d::Zero());
+  };
   switch (joint.kind()) {
     case JointKind::Revolute:
     case JointKind::Continuous:
-      return SE3(exp3(joint.axis() * x[0]), Eigen::Vector3d::Zero());
+      return turn(joint.axis(), x[0]);
+    case JointKind::Helical:
+      return SE3(exp3(joint.axis() * x[0]), joint.pitch() * x[0] * joint.axis());
+    case JointKind::Universal:
+      return turn(joint.axis(), x[0]) * turn(joint.axis2(), x[1]);
+    case JointKind::Spherical:
+      return SE3(Eigen::Quaterniond(x[3], x[0], x[1], x[2]), Eigen::Vector3d::Zero());
+    case JointKind::Planar: {
+      const SE3 plane(turnZTo(joint.axis()), Eigen::Vector3d::Zero());
+      return plane * SE3(exp3({0, 0, std::atan2(x[3], x[2])}), {x[0], x[1], 0}) * plane.inverse();
+    }
+    case JointKind::Translation:
+      return SE3(Eigen::Matrix3d::Identity(), {x[0], x[1], x[2]});
     case JointKind::Prismatic:
       return SE3(Eigen::Matrix3d::Identity(), joint.axis() * x[0]);
     case JointKind::FreeFlyer:
@@ -37,13 +52,20 @@ class Trees : public ::testing::TestWithParam<int> {
       testing::randomTree(static_cast<unsigned>(GetParam()), 3 + 2 * GetParam(), GetParam() % 2 == 0);
   testing::State s = testing::randomState(model, static_cast<unsigned>(GetParam()));
   Data data{model};
+
+  double followed(JointIndex j, const Eigen::VectorXd& q) const {
+    if (!model.joints[j].mimics()) return q[model.joints[j].idx_q()];
+    return model.mimic(j).multiplier * followed(model.mimic(j).leader, q) + model.mimic(j).offset;
+  }
 };
 
 TEST_P(Trees, PosesAreProductsOfPlacements) {
   forwardKinematics(model, data, s.q);
   std::vector<SE3> oMi(1);
   for (JointIndex i = 1; i < model.njoints; ++i) {
-    oMi.push_back(oMi[model.parents[i]] * model.jointPlacements[i] * jointPose(model.joints[i], s.q));
+    Eigen::VectorXd q = s.q;  // what a follower's own q would be
+    if (model.joints[i].mimics()) q[model.joints[i].idx_q()] = followed(i, s.q);
+    oMi.push_back(oMi[model.parents[i]] * model.jointPlacements[i] * jointPose(model.joints[i], q));
     // one product per level, entries up to the size of the robot
     EXPECT_TRUE(data.oMi[i].isApprox(oMi[i], 200 * kEps * model.njoints)) << model.names[i];
   }
@@ -122,6 +144,7 @@ TEST_P(Trees, JacobianColumnsAreDerivativesOfPoses) {
 TEST_P(Trees, JointJacobiansAreWorldColumns) {
   computeJointJacobians(model, data, s.q);
   for (JointIndex i = 1; i < model.njoints; ++i) {
+    if (!model.tree().mimic.identity) break;  // there a column is the sum of a leader's and its followers'
     const Matrix6Xd J = getJointJacobian(model, data, i, WORLD);
     const int k = model.joints[i].idx_v();
     EXPECT_EQ(distance(J.col(k), data.J.col(k)), 0);

@@ -37,7 +37,8 @@ class Random {
 
 enum class Order { DepthFirst, Any };
 
-// A tree of `n` joints of every kind, axes random or exact; the root is a free-flyer when asked.
+// A tree of `n` joints of every kind; the root is a free-flyer when asked. One seed in three has mimic
+// joints.
 Model randomTree(unsigned seed, int n, bool free_root, Order order = Order::Any);
 
 struct State {

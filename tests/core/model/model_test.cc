@@ -120,8 +120,8 @@ TEST(Model, LimitsAreKept) {
   const auto one = [](double x) { return Eigen::VectorXd::Constant(1, x); };
   model.addJoint(0, JointModelRX(), SE3(), "a", one(10), one(2), one(-1), one(3));
   model.addJoint(1, JointModelFreeFlyer(), SE3(), "b");
-  EXPECT_EQ(model.effortLimit[0], 10);
-  EXPECT_EQ(model.velocityLimit[0], 2);
+  EXPECT_EQ(model.upperEffortLimit[0], 10);
+  EXPECT_EQ(model.upperVelocityLimit[0], 2);
   EXPECT_EQ(model.lowerPositionLimit[0], -1);
   EXPECT_EQ(model.upperPositionLimit[0], 3);
   EXPECT_TRUE(std::isinf(model.upperPositionLimit[3]));

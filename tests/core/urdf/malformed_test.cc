@@ -398,7 +398,7 @@ TEST(Malformed, DamagedFilesGiveMessagesOrFiniteModels) {
     }
     for (const Frame& f : m.frames) EXPECT_TRUE(f.placement.toHomogeneousMatrix().allFinite());
     EXPECT_TRUE((m.lowerPositionLimit.array() <= m.upperPositionLimit.array()).all());
-    EXPECT_TRUE((m.effortLimit.array() >= 0).all() && (m.velocityLimit.array() >= 0).all());
+    EXPECT_TRUE((m.upperEffortLimit.array() >= 0).all() && (m.upperVelocityLimit.array() >= 0).all());
   }
   EXPECT_GT(accepted, rounds / 20) << "too much damage tests the XML parser only";
   EXPECT_LT(accepted, rounds * 19 / 20) << "too little damage tests nothing";

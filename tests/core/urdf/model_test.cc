@@ -59,8 +59,8 @@ void expect_equal(const Model& a, const Model& b, double tol) {
   for (int i = 0; i < a.nframes; ++i) EXPECT_TRUE(a.frames[i].placement.isApprox(b.frames[i].placement, tol));
   EXPECT_EQ(a.lowerPositionLimit, b.lowerPositionLimit);
   EXPECT_EQ(a.upperPositionLimit, b.upperPositionLimit);
-  EXPECT_EQ(a.effortLimit, b.effortLimit);
-  EXPECT_EQ(a.velocityLimit, b.velocityLimit);
+  EXPECT_EQ(a.upperEffortLimit, b.upperEffortLimit);
+  EXPECT_EQ(a.upperVelocityLimit, b.upperVelocityLimit);
   EXPECT_EQ(a.damping, b.damping);
   EXPECT_EQ(a.friction, b.friction);
 }
@@ -108,8 +108,8 @@ TEST(UrdfModel, SampleArmEqualsTheOneBuiltByHand) {
   }
   EXPECT_EQ(model.lowerPositionLimit, hand.lowerPositionLimit);
   EXPECT_EQ(model.upperPositionLimit, hand.upperPositionLimit);
-  EXPECT_EQ(model.effortLimit, hand.effortLimit);
-  EXPECT_EQ(model.velocityLimit, hand.velocityLimit);
+  EXPECT_EQ(model.upperEffortLimit, hand.upperEffortLimit);
+  EXPECT_EQ(model.upperVelocityLimit, hand.upperVelocityLimit);
 }
 
 TEST(UrdfModel, TextAndFileAreTheSame) {
@@ -177,15 +177,15 @@ TEST(UrdfModel, LimitsAndDynamics) {
                         .model;
   EXPECT_EQ(all.lowerPositionLimit[0], -0.5);
   EXPECT_EQ(all.upperPositionLimit[0], 2);
-  EXPECT_EQ(all.effortLimit[0], 30);
-  EXPECT_EQ(all.velocityLimit[0], 4);
+  EXPECT_EQ(all.upperEffortLimit[0], 30);
+  EXPECT_EQ(all.upperVelocityLimit[0], 4);
   EXPECT_EQ(all.damping[0], 0.25);
   EXPECT_EQ(all.friction[0], 0.125);
 
   const Model free = robot(link("a") + link("b") + inside("continuous", "<dynamics/>")).model;
   EXPECT_EQ(free.lowerPositionLimit[0], -kInf);
   EXPECT_EQ(free.upperPositionLimit[0], kInf);
-  EXPECT_EQ(free.effortLimit[0], kInf);
+  EXPECT_EQ(free.upperEffortLimit[0], kInf);
   EXPECT_EQ(free.damping[0], 0);
 
   // "practically infinite" is infinite: upper - lower must not overflow to it unawares
@@ -195,7 +195,7 @@ TEST(UrdfModel, LimitsAndDynamics) {
           .model;
   EXPECT_EQ(huge.lowerPositionLimit[0], -kInf);
   EXPECT_EQ(huge.upperPositionLimit[0], kInf);
-  EXPECT_EQ(huge.effortLimit[0], 1e16);
+  EXPECT_EQ(huge.upperEffortLimit[0], 1e16);
 }
 
 TEST(UrdfModel, FreeFlyerRoot) {

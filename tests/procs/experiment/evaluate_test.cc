@@ -39,7 +39,7 @@ Run by_hand(const std::vector<double>& first, const std::vector<double>& second)
 TEST(Evaluate, FiguresOfASeriesByHand) {
   lab::Run run = by_hand({0.3, -0.4, 0, 0.005}, {0, 0.3, 0, -0.002});
   run.states[2].tau = Eigen::Vector2d(3, -4);
-  run.model.effortLimit << 6, 5;
+  run.model.upperEffortLimit << 6, 5;
   const json out = evaluate(run, {});
   EXPECT_DOUBLE_EQ(out["max_error"], 0.4);
   EXPECT_NEAR(out["mean_error"], (0.3 + 0.4 + 0.005 + 0.3 + 0.002) / 8, 1e-15);

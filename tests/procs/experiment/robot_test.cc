@@ -78,7 +78,7 @@ TEST(Robot, LockedJointsLeaveTheRestAsItWas) {
         << x.name;
     EXPECT_EQ(locked.model.frames[y.parentFrame].name, open.model.frames[x.parentFrame].name);
   }
-  EXPECT_EQ(locked.model.effortLimit[1], open.model.effortLimit[2]);
+  EXPECT_EQ(locked.model.upperEffortLimit[1], open.model.upperEffortLimit[2]);
 }
 
 TEST(Robot, RefusalsNameTheKeyAndTheCure) {

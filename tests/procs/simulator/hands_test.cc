@@ -56,7 +56,7 @@ TEST(Hands, HoldingBringsTheRobotToRestAndKeepsItThere) {
   for (int k = 0; k < 3000; ++k) {
     const Output out = step(config, state, {});
     EXPECT_EQ(out.mode, safety::Mode::Waiting);
-    for (int i = 0; i < 6; ++i) ASSERT_LE(std::abs(out.state.tau[i]), config.model.effortLimit[i]);
+    for (int i = 0; i < 6; ++i) ASSERT_LE(std::abs(out.state.tau[i]), config.model.upperEffortLimit[i]);
   }
   const Eigen::VectorXd q = state.robot.q;
   for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(state.robot.v[i]), 1e-6);
@@ -66,7 +66,7 @@ TEST(Hands, HoldingBringsTheRobotToRestAndKeepsItThere) {
 
 TEST(Hands, WhateverTheControllerWantsSpeedAndEffortStayInsideTheirLimits) {
   rbd::Model model = arm();
-  for (int i = 0; i < 6; ++i) model.velocityLimit[i] = 2;
+  for (int i = 0; i < 6; ++i) model.upperVelocityLimit[i] = 2, model.lowerVelocityLimit[i] = -2;
   const Config config = make_config(live(), model);
   State state = initial(config);
   int holding = 0, running = 0;
@@ -77,7 +77,7 @@ TEST(Hands, WhateverTheControllerWantsSpeedAndEffortStayInsideTheirLimits) {
     (out.mode == safety::Mode::Running ? running : holding)++;
     for (int i = 0; i < 6; ++i) {
       ASSERT_LE(std::abs(out.state.v[i]), 2.0) << "step " << k << " joint " << i;
-      ASSERT_LE(std::abs(out.state.tau[i]), model.effortLimit[i]);
+      ASSERT_LE(std::abs(out.state.tau[i]), model.upperEffortLimit[i]);
     }
   }
   EXPECT_GT(holding, 0) << "the guard had to step in";

@@ -124,7 +124,7 @@ TEST(Simulator, EffortIsClampedAndSaidOnce) {
   const rbd::Model model = arm();
   const Config config = make_config(Experiment(), model);
   State state = initial(config);
-  const double bound = model.effortLimit[1];
+  const double bound = model.upperEffortLimit[1];
   ASSERT_TRUE(std::isfinite(bound));
   Command command{.tau = Eigen::VectorXd::Zero(6)};
   command.tau[1] = -2 * bound;
@@ -132,7 +132,7 @@ TEST(Simulator, EffortIsClampedAndSaidOnce) {
   ASSERT_EQ(out.events.size(), 1u);
   EXPECT_EQ(out.events[0].what, "effort_clamped");
   EXPECT_EQ(out.events[0].who, model.names[2]);
-  EXPECT_EQ(out.events[0].why, "value " + number(-2 * bound) + ", bound " + number(bound));
+  EXPECT_EQ(out.events[0].why, "value " + number(-2 * bound) + ", bound " + number(-bound));
   EXPECT_EQ(out.state.tau[1], -bound);
 
   out = step(config, state, {});  // held, still clamped
@@ -167,7 +167,8 @@ TEST(Simulator, ABadCommandIsRefusedAndTheLastHeld) {
 
 TEST(Simulator, DivergenceAbortsAndNothingWildIsGivenOut) {
   rbd::Model model = arm();
-  model.effortLimit.setConstant(INFINITY);
+  model.upperEffortLimit.setConstant(INFINITY);
+  model.lowerEffortLimit.setConstant(-INFINITY);
   for (double wild : {1e12, 1e300}) {
     const Config config = make_config(Experiment(), model);
     State state = initial(config);

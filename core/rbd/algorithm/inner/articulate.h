@@ -8,20 +8,19 @@
 
 namespace rbd::inner {
 
-// Needs IA[i] = rigid inertias, f[i], column. Fills U, inverseD; IA and f of children are added to their
-// parents. `bias(i, k, column)` is called for each dof k of joint i once U[k] and inverseD[k] are known.
-// Returns the dof whose inertia D is singular (D in `d`), or -1. Singular: not above 1e-14 of the largest D
-// beyond it, which is what rounding leaves of a true zero.
+// `rotor`: inertia of the rotor of each dof. Needs IA[i] = rigid inertias, f[i], column. Fills U, inverseD;
+// IA and f of children are added to their parents. `bias(i, k, column)` is called for each dof k of joint i
+// once U[k] and inverseD[k] are known. Returns the dof whose inertia D is singular (D in `d`), or -1.
+// Singular: not above 1e-14 of the largest D beyond it, which is what rounding leaves of a true zero.
 template <class S, class Bias>
-inline int articulate(const Model& model, Scratch<S>& s, S& d, Bias&& bias) {
-  const Joints& joints = model.packed();
+inline int articulate(const Joints& joints, const double* rotor, Scratch<S>& s, S& d, Bias&& bias) {
   std::fill(s.largestD.begin(), s.largestD.end(), S(0));
-  for (int i = model.njoints - 1; i > 0; --i) {
+  for (int i = static_cast<int>(joints.size()) - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
     ArticulatedInertia<S>& IA = s.IA[i];
     for (int k = joint.idx_v + joint.nv - 1; k >= joint.idx_v; --k) {
       s.U[k] = IA * s.column[k];
-      d = dot(s.column[k], s.U[k]) + S(model.armature[k]);
+      d = dot(s.column[k], s.U[k]) + S(rotor[k]);
       if (!(d > S(1e-14) * s.largestD[i])) return k;
       s.largestD[i] = std::max(s.largestD[i], d);
       s.inverseD[k] = S(1) / d;

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "rbd/algorithm/inner/manifold.h"
 #include "rbd/algorithm/inner/workspace.h"
 
 namespace rbd::inner {
@@ -41,13 +42,13 @@ void failVector(const char* function, const char* name, const double* x, Eigen::
 
 void checkQuaternions(const char* function, const Model& model, const ConstVectorRef& q) {
   for (int i = 1; i < model.njoints; ++i) {
-    if (model.joints[i].kind() != JointKind::FreeFlyer) continue;
+    const UnitPart unit = unitPart(model.joints[i]);
     // the same sum that the kernels divide by
-    const int at = model.joints[i].idx_q() + 3;
-    if (q.segment<4>(at).squaredNorm() > 1e-12) continue;
+    if (unit.size == 0 || q.segment(unit.at, unit.size).squaredNorm() > 1e-12) continue;
     std::ostringstream text;
-    text << function << ": the quaternion of joint '" << model.names[i] << "' (q[" << at << "] to q["
-         << at + 3 << "]) is zero; start from neutral(model)";
+    text << function << ": the " << (unit.size == 4 ? "quaternion" : "cosine and sine") << " of joint '"
+         << model.names[i] << "' (q[" << unit.at << "] to q[" << unit.at + unit.size - 1 << "]) "
+         << (unit.size == 4 ? "is" : "are") << " zero; start from neutral(model)";
     throw std::invalid_argument(text.str());
   }
 }
@@ -66,13 +67,18 @@ void failIndex(const char* function, const char* what, int index, int count, con
   throw std::invalid_argument(text.str());
 }
 
+void failWrench(const char* function, const std::string& frame) {
+  throw std::invalid_argument(std::string(function) + ": the wrench on frame '" + frame +
+                              "' has an entry that is not a finite number");
+}
+
 void failOrder(const char* function, const char* what) {
   throw std::invalid_argument(std::string(function) + ": call " + what + " first");
 }
 
 void failSingular(const char* function, const Model& model, int dof, double d) {
   int joint = 1;
-  while (joint + 1 < model.njoints && model.joints[joint + 1].idx_v() <= dof) ++joint;
+  while (model.joints[joint].idx_v() + model.joints[joint].nv() <= dof) ++joint;
   std::ostringstream text;
   text << function << ": the inertia that joint '" << model.names[joint] << "' moves is singular (" << d
        << "); give its bodies mass and inertia, or the joint armature";

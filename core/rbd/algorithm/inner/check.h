@@ -11,6 +11,7 @@ namespace rbd::inner {
                              int needed, const char* needed_name, const Model& model);
 [[noreturn]] void failMatrix(const char* function, const char* name, const MatrixRef& m, int rows, int cols);
 [[noreturn]] void failIndex(const char* function, const char* what, int index, int count, const Model& model);
+[[noreturn]] void failWrench(const char* function, const std::string& frame);
 [[noreturn]] void failOrder(const char* function, const char* what);
 [[noreturn]] void failSingular(const char* function, const Model& model, int dof, double d);
 

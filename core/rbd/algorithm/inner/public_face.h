@@ -13,6 +13,7 @@ inline void storePose(const Mat3<double>& R, const Vec3<double>& p, SE3& out) {
   p.storeU(out.translation().data());
 }
 
+inline Vec3<double> fromEigen(const Eigen::Vector3d& x) { return Vec3<double>::make(x[0], x[1], x[2]); }
 inline Eigen::Vector3d toEigen(const Vec3<double>& x) { return {x[0], x[1], x[2]}; }
 
 // A motion in a joint's kernel axes, in the user's axes of that joint.
@@ -25,7 +26,8 @@ inline rbd::Motion userMotion(const PackedJoint& joint, const Motion<double>& m)
 inline void storeJointPoses(const Model& model, Data& data) {
   const Scratch<double>& s = data.work().d;
   for (int i = 1; i < model.njoints; ++i) {
-    storePose(timesMatrix(s.R[i], model.packed()[i].turnT), s.centre + s.p[i], data.oMi[i]);
+    const int body = model.tree().bodyOf[i];
+    storePose(timesMatrix(s.R[body], model.tree().joints[body].turnT), s.centre + s.p[body], data.oMi[i]);
   }
 }
 

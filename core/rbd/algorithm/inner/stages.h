@@ -16,7 +16,7 @@ inline Vec3<S> gravity(const Model& model) {
 // sine and cosine of all of q at once.
 template <class S>
 inline void angles(const Model& model, const S* q, Scratch<S>& s) {
-  sincosAll(model.nq, q, s.sine.data(), s.cosine.data());
+  sincosAll(model.tree().nq, q, s.sine.data(), s.cosine.data());
 }
 
 // R, p, centre. The centre is the origin of joint 1.

@@ -6,48 +6,48 @@ namespace rbd::inner {
 
 template <class S>
 Scratch<S>::Scratch(const Model& model) {
-  const auto njoints = static_cast<std::size_t>(model.njoints), nv = static_cast<std::size_t>(model.nv);
-  sine.resize(static_cast<std::size_t>(model.nq) + 3);
+  const KernelTree& tree = model.tree();
+  const auto bodies = tree.joints.size(), nv = static_cast<std::size_t>(tree.nv);
+  sine.resize(static_cast<std::size_t>(tree.nq) + 3);
   cosine.resize(sine.size());
-  X.resize(njoints);
-  R.assign(njoints, Mat3<S>::identity());
-  p.assign(njoints, Vec3<S>::zero());
+  X.resize(bodies);
+  R.assign(bodies, Mat3<S>::identity());
+  p.assign(bodies, Vec3<S>::zero());
   column.assign(nv, Motion<S>::zero());
-  I.resize(njoints);
-  v.assign(njoints, Motion<S>::zero());
-  a.assign(njoints, Motion<S>::zero());
-  f.assign(njoints, Force<S>::zero());
-  IA.resize(njoints);
+  I.resize(bodies);
+  v.assign(bodies, Motion<S>::zero());
+  a.assign(bodies, Motion<S>::zero());
+  f.assign(bodies, Force<S>::zero());
+  IA.resize(bodies);
   U.assign(nv, Force<S>::zero());
   inverseD.resize(nv);
   u.resize(nv);
-  largestD.resize(njoints);
+  largestD.resize(bodies);
 }
 
 Workspace::Workspace(const Model& model) : topology(model.topology()), d(model) {
-  const auto nv = static_cast<std::size_t>(model.nv);
+  const KernelTree& tree = model.tree();
+  const auto nv = static_cast<std::size_t>(tree.nv);
   dofParent.assign(nv, -1);
-  dofJoint.assign(nv, 0);
-  std::vector<int> last(static_cast<std::size_t>(model.njoints), -1);  // last dof at or above a joint
-  for (int i = 1; i < model.njoints; ++i) {
-    const PackedJoint& joint = model.packed()[i];
+  std::vector<int> last(tree.joints.size(), -1);  // last dof at or above a body
+  for (int i = 1; i < tree.size(); ++i) {
+    const PackedJoint& joint = tree.joints[i];
     last[i] = last[joint.parent];
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
       dofParent[k] = last[i];
-      dofJoint[k] = i;
       last[i] = k;
     }
   }
   // depth-first order without recursion (chains may be thousands long): sizes from the tips, then places
   std::vector<int> size(nv, 1), place(nv, 0), next(nv, 0);
-  for (int k = model.nv - 1; k >= 0; --k) {
+  for (int k = tree.nv - 1; k >= 0; --k) {
     if (dofParent[k] >= 0) size[dofParent[k]] += size[k];
   }
   order.assign(nv, 0);
   subtreeEnd.assign(nv, 0);
   depth.assign(nv, 0);
   int next_root = 0, deepest = 0;
-  for (int k = 0; k < model.nv; ++k) {
+  for (int k = 0; k < tree.nv; ++k) {
     const int up = dofParent[k];
     int& free_place = up < 0 ? next_root : next[up];
     place[k] = free_place;
@@ -59,8 +59,23 @@ Workspace::Workspace(const Model& model) : topology(model.topology()), d(model) 
     deepest = std::max(deepest, depth[place[k]]);
     depthFirst = depthFirst && place[k] == k;
   }
-  stride = (model.nv + 7) / 8 * 8;
+  stride = (tree.nv + 7) / 8 * 8;
   if (!depthFirst) W.assign(nv * static_cast<std::size_t>(stride), 0.0);
+
+  eliminationParent = dofParent;
+  rotor.assign(static_cast<std::size_t>(model.nv), 0.0);
+  effort.setZero(model.nv);
+  if (!tree.mimic.identity) {
+    // a follower may stand anywhere, so any two dofs may be coupled
+    eliminationParent.resize(static_cast<std::size_t>(model.nv));
+    for (int k = 0; k < model.nv; ++k) eliminationParent[k] = k - 1;
+    q.resize(static_cast<std::size_t>(tree.nq));
+    for (std::vector<double>* x : {&v, &a, &tau}) x->resize(nv);
+    J = PaddedMatrix(6, tree.nv);
+    Jcom = PaddedMatrix(3, tree.nv);
+    M = PaddedMatrix(tree.nv, tree.nv);
+  }
+
   d.F.assign(static_cast<std::size_t>(6 * stride), 0.0);
   d.P.assign(static_cast<std::size_t>(6 * stride) * static_cast<std::size_t>(deepest + 1), 0.0);
 }

@@ -11,6 +11,7 @@
 
 #include "rbd/algorithm/inner/spatial.h"
 #include "rbd/model/model.h"
+#include "rbd/model/padded_matrix.h"
 
 namespace rbd::inner {
 
@@ -18,28 +19,29 @@ template <class S>
 struct Scratch {
   explicit Scratch(const Model& model);
 
+  // bodies and dofs are those of the kernels' tree (packed_joint.h)
   std::vector<S> sine, cosine;            // nq + 3: of every entry of q (only those of angles are used)
-  std::vector<Pose<S>> X;                 // njoints, joint in its parent                 localPoses
-  std::vector<Mat3<S>> R;                 // njoints, kernel frame in world axes          worldPoses
-  std::vector<Vec3<S>> p;                 // njoints, its origin from the centre (m)      worldPoses
+  std::vector<Pose<S>> X;                 // bodies, joint in its parent                  localPoses
+  std::vector<Mat3<S>> R;                 // bodies, kernel frame in world axes           worldPoses
+  std::vector<Vec3<S>> p;                 // bodies, its origin from the centre (m)       worldPoses
   Vec3<S> centre = Vec3<S>::zero();       // in the world (m)                             worldPoses
   std::vector<Motion<S>> column;          // nv, motion of one dof, world axes            worldColumns
-  std::vector<RigidInertia<S>> I;         // njoints, world axes                          worldInertias
-  std::vector<Motion<S>> v, a;            // njoints, local or world as the algorithm says
-  std::vector<Force<S>> f;                // njoints, the same
-  std::vector<ArticulatedInertia<S>> IA;  // njoints, world axes                        aba, computeMinverse
+  std::vector<RigidInertia<S>> I;         // bodies, world axes                           worldInertias
+  std::vector<Motion<S>> v, a;            // bodies, local or world as the algorithm says
+  std::vector<Force<S>> f;                // bodies, the same
+  std::vector<ArticulatedInertia<S>> IA;  // bodies, world axes                         aba, computeMinverse
   std::vector<Force<S>> U;                // nv, IA column
   std::vector<S> inverseD, u;             // nv
-  std::vector<S> largestD;                // njoints, over all dofs at and beyond a joint
+  std::vector<S> largestD;                // bodies, over all dofs at and beyond a joint
   std::vector<S> F, P;  // 6 x stride and 6 x stride per depth: one row per force or motion coordinate
 };
 
 struct Workspace {
   explicit Workspace(const Model& model);
 
-  std::uint64_t topology;       // of the model this was made for
+  std::uint64_t topology;  // of the model this was made for
+  // of the tree's dofs
   std::vector<int> dofParent;   // nv, the dof before this one on the way to the root, -1 = none
-  std::vector<int> dofJoint;    // nv, the joint a dof belongs to
   std::vector<int> order;       // nv, dofs in depth-first order
   std::vector<int> subtreeEnd;  // nv, by position in `order`: end of the positions that this dof moves
   std::vector<int> depth;       // nv, by position in `order`: number of dofs above
@@ -47,6 +49,14 @@ struct Workspace {
   int stride = 0;               // nv rounded up to 8
   std::vector<double> W;        // nv x stride, Minv in depth-first order where that is not the model's
   Scratch<double> d;
+
+  // of the user's dofs
+  std::vector<int> eliminationParent;  // nv: which entries of M's factors can differ from zero (cholesky.h)
+  std::vector<double> rotor;           // nv, inertia of the rotors (kg m^2 or kg)
+  Eigen::VectorXd effort;              // nv
+  // the tree's vectors and matrices; empty while no joint mimics another
+  std::vector<double> q, v, a, tau;
+  PaddedMatrix J, Jcom, M;
 };
 
 }  // namespace rbd::inner

@@ -1,0 +1,36 @@
+// What the mechanics of the joints add to the dynamics, as model.terms says: rotors, damping, dry friction.
+#pragma once
+
+#include <cmath>
+
+#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/algorithm/kinematics.h"
+
+namespace rbd::inner {
+
+// Dry friction is friction * tanh(v / this): a joint below it creeps instead of sticking (rad/s or m/s).
+inline constexpr double kFrictionRate = 0.01;
+
+// Inertia of the rotors as the joints see it: nv.
+inline double rotorOf(const Model& model, int k) {
+  return (model.terms.armature ? model.armature[k] : 0.0) +
+         (model.terms.rotor ? model.rotorGearRatio[k] * model.rotorGearRatio[k] * model.rotorInertia[k]
+                            : 0.0);
+}
+inline const double* rotors(const Model& model, Workspace& work) {
+  for (int k = 0; k < model.nv; ++k) work.rotor[k] = rotorOf(model, k);
+  return work.rotor.data();
+}
+inline void addRotorEfforts(const Model& model, const ConstVectorRef& a, Eigen::VectorXd& tau) {
+  for (int k = 0; k < model.nv; ++k) tau[k] += rotorOf(model, k) * a[k];
+}
+
+// tau += sign * (damping v + dry friction).
+inline void addFrictionEfforts(const Model& model, const ConstVectorRef& v, double sign,
+                               Eigen::VectorXd& tau) {
+  if (model.terms.damping) tau += sign * model.damping.cwiseProduct(v);
+  if (!model.terms.friction) return;
+  for (int k = 0; k < model.nv; ++k) tau[k] += sign * model.friction[k] * std::tanh(v[k] / kFrictionRate);
+}
+
+}  // namespace rbd::inner

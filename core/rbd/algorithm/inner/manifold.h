@@ -1,0 +1,154 @@
+// The spaces that configurations of joints live in, each with the same few operations on plain arrays. Joint
+// kinds name theirs (model/joint.h). In each, d integrate / d q, d integrate / d v and the like follow from
+//   carry(v):    how a change of q arrives at the end of the way v      (Ad(exp v)^-1)
+//   right(v):    how a change of v moves the end                        (right Jacobian), and its inverse
+// Source: Sola, Deray, Atchuthan, A micro Lie theory, 2018.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "rbd/model/joint.h"
+#include "rbd/spatial/spatial.h"
+
+namespace rbd::inner {
+
+// The part of a joint's q that has length one: a quaternion or cosine and sine.
+struct UnitPart {
+  int at = 0, size = 0;
+};
+inline UnitPart unitPart(const JointModel& joint) {
+  if (joint.nq() == 0) return {};
+  switch (joint.manifold()) {
+    case Manifold::Rotation:
+      return {joint.idx_q(), 4};
+    case Manifold::Pose:
+      return {joint.idx_q() + 3, 4};
+    case Manifold::PlanarPose:
+      return {joint.idx_q() + 2, 2};
+    default:
+      return {};
+  }
+}
+
+inline Eigen::Quaterniond quaternion(const double* q) {
+  return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
+}
+
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+// n numbers that add.
+struct NumberSpace {
+  int n;
+  void integrate(const double* q, const double* v, double* out) const {
+    for (int k = 0; k < n; ++k) out[k] = q[k] + v[k];
+  }
+  void difference(const double* q0, const double* q1, double* out) const {
+    for (int k = 0; k < n; ++k) out[k] = q1[k] - q0[k];
+  }
+  SmallMatrix carry(const double*) const { return SmallMatrix::Identity(n, n); }
+  SmallMatrix right(const double*) const { return SmallMatrix::Identity(n, n); }
+  SmallMatrix rightInverse(const double*) const { return SmallMatrix::Identity(n, n); }
+};
+
+// Rotations: unit quaternions, velocities in body axes.
+struct RotationSpace {
+  static Eigen::Vector3d vec(const double* v) { return {v[0], v[1], v[2]}; }
+  static SmallMatrix carry(const double* v) { return exp3(-vec(v)); }
+  static SmallMatrix right(const double* v) { return leftJacobian3(-vec(v)); }
+  static SmallMatrix rightInverse(const double* v) { return leftJacobian3Inverse(-vec(v)); }
+  static void integrate(const double* q, const double* v, double* out) {
+    const Eigen::Quaterniond end = (quaternion(q) * exp3Quaternion({v[0], v[1], v[2]})).normalized();
+    for (int k = 0; k < 4; ++k) out[k] = end.coeffs()[k];
+  }
+  static void difference(const double* q0, const double* q1, double* out) {
+    const Eigen::Vector3d w = log3((quaternion(q0).conjugate() * quaternion(q1)).normalized());
+    for (int k = 0; k < 3; ++k) out[k] = w[k];
+  }
+};
+
+// Poses: position and unit quaternion, velocities are body twists.
+struct PoseSpace {
+  static Motion minus(const double* v) { return {{-v[0], -v[1], -v[2]}, {-v[3], -v[4], -v[5]}}; }
+  static SmallMatrix carry(const double* v) { return exp6(minus(v)).toActionMatrix(); }
+  static SmallMatrix right(const double* v) { return leftJacobian6(minus(v)); }
+  static SmallMatrix rightInverse(const double* v) { return leftJacobian6Inverse(minus(v)); }
+  static void integrate(const double* q, const double* v, double* out) {
+    const Eigen::Vector3d w(v[0], v[1], v[2]), step = leftJacobian3(w) * Eigen::Vector3d(v[3], v[4], v[5]);
+    const Eigen::Vector3d moved = Eigen::Vector3d(q[0], q[1], q[2]) + quaternion(q + 3) * step;
+    RotationSpace::integrate(q + 3, v, out + 3);
+    for (int k = 0; k < 3; ++k) out[k] = moved[k];
+  }
+  // through quaternions, which stay accurate up to half a turn
+  static void difference(const double* q0, const double* q1, double* out) {
+    RotationSpace::difference(q0 + 3, q1 + 3, out);
+    const Eigen::Vector3d way(q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]);
+    const Eigen::Vector3d v =
+        leftJacobian3Inverse({out[0], out[1], out[2]}) * (quaternion(q0 + 3).conjugate() * way);
+    for (int k = 0; k < 3; ++k) out[3 + k] = v[k];
+  }
+};
+
+// Poses in a plane: x y cos sin, velocities (vx, vy, w) in body axes. The group of PoseSpace with w along z.
+struct PlanarSpace {
+  // rows and columns of (vx, vy, w) in a 6 x 6 of twists
+  static SmallMatrix inPlane(const SmallMatrix& all) {
+    const int at[] = {3, 4, 2};
+    SmallMatrix out(3, 3);
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) out(r, c) = all(at[r], at[c]);
+    }
+    return out;
+  }
+  struct Twist {
+    explicit Twist(const double* v) : x{0, 0, v[2], v[0], v[1], 0} {}
+    double x[6];
+  };
+  static SmallMatrix carry(const double* v) { return inPlane(PoseSpace::carry(Twist(v).x)); }
+  static SmallMatrix right(const double* v) { return inPlane(PoseSpace::right(Twist(v).x)); }
+  static SmallMatrix rightInverse(const double* v) { return inPlane(PoseSpace::rightInverse(Twist(v).x)); }
+  static void lift(const double* q, double* pose) {
+    // half the angle, without an angle: the larger of 1 + c and 1 - c is taken
+    const double n = std::hypot(q[2], q[3]), c = q[2] / n, s = q[3] / n;
+    const double w = c >= 0 ? std::sqrt((1 + c) / 2) : std::abs(s) / std::sqrt(2 * (1 - c));
+    const double z = c >= 0 ? s / (2 * w) : std::copysign(std::sqrt((1 - c) / 2), s);
+    const double all[7] = {q[0], q[1], 0, 0, 0, z, w};
+    std::copy(all, all + 7, pose);
+  }
+  static void integrate(const double* q, const double* v, double* out) {
+    double pose[7], end[7];
+    lift(q, pose);
+    PoseSpace::integrate(pose, Twist(v).x, end);
+    out[0] = end[0];
+    out[1] = end[1];
+    out[2] = 1 - 2 * end[5] * end[5];
+    out[3] = 2 * end[5] * end[6];
+  }
+  static void difference(const double* q0, const double* q1, double* out) {
+    double a[7], b[7], twist[6];
+    lift(q0, a);
+    lift(q1, b);
+    PoseSpace::difference(a, b, twist);
+    out[0] = twist[3];
+    out[1] = twist[4];
+    out[2] = twist[2];
+  }
+};
+
+// f(space) for the space of a joint that has numbers of its own.
+template <class F>
+void onSpace(const JointModel& joint, F&& f) {
+  switch (joint.manifold()) {
+    case Manifold::Angles:
+    case Manifold::Lengths:
+      return f(NumberSpace{joint.nq()});
+    case Manifold::Rotation:
+      return f(RotationSpace());
+    case Manifold::PlanarPose:
+      return f(PlanarSpace());
+    case Manifold::Pose:
+      return f(PoseSpace());
+  }
+}
+
+}  // namespace rbd::inner

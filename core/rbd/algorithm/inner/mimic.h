@@ -1,0 +1,63 @@
+// Between the user's vectors and those of the kernels' tree, where every joint is free:
+//   q_tree = G q + offset,  v_tree = G v,  tau = G' tau_tree,  M = G' M_tree G,  J = J_tree G.
+//
+// While nothing mimics, G is the identity and the kernels read and write the user's vectors themselves.
+#pragma once
+
+#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/algorithm/kinematics.h"
+
+namespace rbd::inner {
+
+inline const double* treeQ(const Model& model, Workspace& work, const ConstVectorRef& q) {
+  const MimicMap& map = model.tree().mimic;
+  if (map.identity) return q.data();
+  for (std::size_t k = 0; k < work.q.size(); ++k) {
+    work.q[k] = map.q_ratio[k] * q[map.q_source[k]] + map.q_offset[k];
+  }
+  return work.q.data();
+}
+
+// `scratch`: work.v or work.a.
+inline const double* treeV(const Model& model, std::vector<double>& scratch, const ConstVectorRef& v) {
+  const MimicMap& map = model.tree().mimic;
+  if (map.identity) return v.data();
+  for (std::size_t k = 0; k < scratch.size(); ++k) scratch[k] = map.v_ratio[k] * v[map.v_source[k]];
+  return scratch.data();
+}
+
+// Where a kernel writes nv_tree efforts that belong into `out`, and the way from there to `out`.
+inline double* treeOut(const Model& model, Workspace& work, Eigen::VectorXd& out) {
+  return model.tree().mimic.identity ? out.data() : work.tau.data();
+}
+inline void gather(const Model& model, const Workspace& work, Eigen::VectorXd& out) {
+  const MimicMap& map = model.tree().mimic;
+  if (map.identity) return;
+  out.setZero();
+  for (std::size_t k = 0; k < work.tau.size(); ++k) out[map.v_source[k]] += map.v_ratio[k] * work.tau[k];
+}
+
+// The same for matrices with one column per dof (rows as they are) ..
+inline double* treeColumns(const Model& model, PaddedMatrix& scratch, PaddedMatrix& out) {
+  return model.tree().mimic.identity ? out.data() : scratch.data();
+}
+inline void gatherColumns(const Model& model, const PaddedMatrix& scratch, PaddedMatrix& out) {
+  const MimicMap& map = model.tree().mimic;
+  if (map.identity) return;
+  out.setZero();
+  for (Eigen::Index k = 0; k < scratch.cols(); ++k)
+    out.col(map.v_source[k]) += map.v_ratio[k] * scratch.col(k);
+}
+// .. and with one row and one column per dof.
+inline void gatherBothSides(const Model& model, const PaddedMatrix& scratch, PaddedMatrix& out) {
+  const MimicMap& map = model.tree().mimic;
+  if (map.identity) return;
+  out.setZero();
+  for (Eigen::Index k = 0; k < scratch.cols(); ++k) {
+    for (Eigen::Index l = 0; l < scratch.rows(); ++l) {
+      out(map.v_source[l], map.v_source[k]) += map.v_ratio[l] * map.v_ratio[k] * scratch(l, k);
+    }
+  }
+}
+
+}  // namespace rbd::inner
