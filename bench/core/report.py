@@ -116,7 +116,7 @@ def tables(results):
 
 
 # --- the picture ---------------------------------------------------------------------------------------------------------
-LEFT, TOP, WIDE, HIGH = 150, 84, 104, 26  # of the heat map: margins, one cell
+LEFT, TOP, WIDE, HIGH = 120, 84, 122, 26  # of the heat map: margins, one cell
 
 
 def colour(ratio):
@@ -149,32 +149,32 @@ def heat_map(results):
 
 
 def curves(results, top, width):
-    """ns per joint over joints, one panel a kind of tree."""
+    """ns per joint over joints, both logarithmic, one panel a kind of tree."""
     scaling, out = results.scaling(), []
     kinds = list(dict.fromkeys(kind for kind, _ in scaling))
     if not kinds:
         return [], top
     high = 220
     points = [p for peers in scaling.values() for series in peers.values() for p in series]
-    most, largest = max(n for n, _ in points), max(t for _, t in points) * 1.05
+    most = max(n for n, _ in points)
+    low, top_ns = min(t for _, t in points) * 0.9, max(t for _, t in points) * 1.1
+    ticks = [k * 10**e for e in range(6) for k in (1, 2, 5) if low <= k * 10**e <= top_ns]
     panel = (width - LEFT - 30 * len(kinds)) / len(kinds)
     inks = {OURS: "#148c6e", "pinocchio": "#c8503c", "mujoco": "#4664b4", "kdl": "#8c8c8c"}
     for k, kind in enumerate(kinds):
         left, base = LEFT + k * (panel + 30), top + 50 + high
-        at = lambda n, t: (left + panel * math.log(n) / max(math.log(most), 1), base - high * t / largest)
+        at = lambda n, t: (left + panel * math.log(n) / max(math.log(most), 1), base - high * math.log(t / low) / math.log(top_ns / low))
         out.append(f'<text x="{left}" y="{top + 36}" class="b">{kind}s: ns per joint (solid rnea, dashed aba)</text>')
         for n in (1, 10, 100, 1000):
             if n <= most:
-                x, _ = at(n, 0)
+                x, _ = at(n, low)
                 out.append(f'<line x1="{x:.1f}" y1="{base - high}" x2="{x:.1f}" y2="{base}" class="g"/>'
                            f'<text x="{x:.1f}" y="{base + 16}" text-anchor="middle">{n}</text>')
-        step = 10 ** math.floor(math.log10(largest))
-        step = step if largest / step >= 3 else step / 4
-        for i in range(int(largest / step) + 1):
-            _, y = at(1, i * step)
+        for tick in ticks:
+            _, y = at(1, tick)
             out.append(f'<line x1="{left}" y1="{y:.1f}" x2="{left + panel}" y2="{y:.1f}" class="g"/>')
             if k == 0:
-                out.append(f'<text x="{left - 10}" y="{y + 4:.1f}" text-anchor="end">{i * step:g}</text>')
+                out.append(f'<text x="{left - 10}" y="{y + 4:.1f}" text-anchor="end">{tick}</text>')
         for (of, algorithm), peers in scaling.items():
             for peer, series in peers.items() if of == kind else ():
                 path = " ".join("%.1f,%.1f" % at(n, t) for n, t in sorted(series))
