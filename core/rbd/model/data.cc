@@ -13,15 +13,14 @@ Data::Data(const Model& model) : work_(std::make_unique<inner::Workspace>(model)
   q_in.setZero(model.nq);
   v_in.setZero(model.nv);
   a_in.setZero(model.nv);
-  J = PaddedMatrix(6, model.nv);
-  M = PaddedMatrix(model.nv, model.nv);
-  Minv = PaddedMatrix(model.nv, model.nv);
+  for (PaddedMatrix* x : {&J, &dJ, &Ag, &dAg}) *x = PaddedMatrix(6, model.nv);
+  for (PaddedMatrix* x : {&M, &Minv, &C, &U, &dtau_dq, &dtau_dv, &ddq_dq, &ddq_dv}) {
+    *x = PaddedMatrix(model.nv, model.nv);
+  }
   Jcom = PaddedMatrix(3, model.nv);
-  U = PaddedMatrix(model.nv, model.nv);
   for (Eigen::VectorXd* x : {&tau, &ddq, &nle, &g, &D}) x->setZero(model.nv);
-  com.assign(1, Eigen::Vector3d::Zero());
-  vcom.assign(1, Eigen::Vector3d::Zero());
-  mass.assign(1, 0.0);
+  for (std::vector<Eigen::Vector3d>* x : {&com, &vcom, &acom}) x->assign(njoints, Eigen::Vector3d::Zero());
+  mass.assign(njoints, 0.0);
   joints.resize(njoints);
   for (int i = 1; i < model.njoints; ++i) {
     joints[i].nq_ = model.joints[i].nq();

@@ -30,40 +30,45 @@ class JointData {
   Eigen::Index nq_ = 0, nv_ = 0;
 };
 
-// What a Data holds for its reader. n = model.nv. Written by the algorithm named behind each field.
+// clang-format off
+// What a Data holds for its reader, and the algorithm that writes it. n = model.nv.
 struct DataFields {
-  std::vector<SE3>
-      oMi;  // njoints, world pose of each joint's frame             forwardKinematics, computeJointJacobians
-  std::vector<SE3>
-      oMf;  // nframes, world pose of each frame                      forwardKinematics, updateFramePlacements
-  std::vector<Motion> v,
-      a;  // njoints, LOCAL velocity and spatial acceleration       forwardKinematics(q, v[, a])
-  Eigen::VectorXd q_in, v_in, a_in;  // nq, n, n: inputs of the last                   forwardKinematics
+  // poses and motions
+  std::vector<SE3> oMi;     // njoints, world pose of each joint's frame        forwardKinematics, computeJointJacobians
+  std::vector<SE3> oMf;     // nframes, world pose of each frame                forwardKinematics, updateFramePlacements
+  std::vector<Motion> v, a; // njoints, LOCAL velocity, spatial acceleration    forwardKinematics(q, v[, a])
+  Eigen::VectorXd q_in, v_in, a_in;  // nq, n, n: inputs of the last            forwardKinematics
+  int kinematics_order = -1;         // of these: -1 nothing, 0 q, 1 q and v, 2 all
 
-  PaddedMatrix J;     // 6 x n, column k: motion of dof k in WORLD, angular first      computeJointJacobians
-  PaddedMatrix M;     // n x n, joint-space inertia, both sides                        crba
-  PaddedMatrix Minv;  // n x n, its inverse, both sides                                computeMinverse
-  PaddedMatrix Jcom;  // 3 x n                                                         jacobianCenterOfMass
-  PaddedMatrix U;     // n x n unit upper triangular, M = U D U'                       cholesky::decompose
-  Eigen::VectorXd D;  // n                                                             cholesky::decompose
+  // Jacobians, angular rows first
+  PaddedMatrix J;           // 6 x n, column k: motion of dof k in WORLD        computeJointJacobians
+  PaddedMatrix dJ;          // 6 x n, its rate                                  computeJointJacobiansTimeVariation
 
-  Eigen::VectorXd tau;  // n, joint efforts                                            rnea
-  Eigen::VectorXd ddq;  // n, joint accelerations                                      aba
-  Eigen::VectorXd nle;  // n, Coriolis, centrifugal and gravity efforts                nonLinearEffects
-  Eigen::VectorXd g;  // n, gravity efforts                                          computeGeneralizedGravity
+  // dynamics
+  PaddedMatrix M;           // n x n, joint-space inertia, both sides           crba
+  PaddedMatrix Minv;        // n x n, its inverse, both sides                   computeMinverse, computeABADerivatives
+  PaddedMatrix C;           // n x n, C v = nle - g, dM/dt - 2C skew            computeCoriolisMatrix
+  PaddedMatrix U;           // n x n, unit upper triangular, M = U D U'         cholesky::decompose
+  Eigen::VectorXd D;        // n                                                cholesky::decompose
+  Eigen::VectorXd tau;      // n, joint efforts                                 rnea, computeStaticTorque
+  Eigen::VectorXd ddq;      // n, joint accelerations                           aba
+  Eigen::VectorXd nle;      // n, Coriolis, centrifugal and gravity efforts     nonLinearEffects
+  Eigen::VectorXd g;        // n, gravity efforts                               computeGeneralizedGravity
 
-  std::vector<Eigen::Vector3d>
-      com;  // [0]: centre of mass, world (m)                 centerOfMass, jacobianCenterOfMass
-  std::vector<Eigen::Vector3d> vcom;  // [0]: its velocity, world (m/s)                centerOfMass(q, v)
-  std::vector<double> mass;           // [0]: total, the universe's own left out (kg)   the same
-  Force hg, dhg;                      // centroidal momentum and its rate, world axes, about the CoM
-                                      // computeCentroidalMomentum[TimeVariation]
-  double kinetic_energy = 0,
-         potential_energy =
-             0;  // J                               computeKineticEnergy, computePotentialEnergy
+  // their derivatives, tangent space: row i, column j is d (entry i) / d (dof j)
+  PaddedMatrix dtau_dq, dtau_dv;  // n x n                                      computeRNEADerivatives
+  PaddedMatrix ddq_dq, ddq_dv;    // n x n (ddq_dtau is Minv)                   computeABADerivatives
 
-  int kinematics_order = -1;  // what q_in, v_in, a_in hold: -1 nothing, 0 q, 1 q and v, 2 all
+  // centre of mass, momentum, energy; [0]: the whole robot, [i]: what joint i carries
+  std::vector<Eigen::Vector3d> com, vcom, acom;  // njoints, world (m, m/s, m/s^2)  centerOfMass(q[, v[, a]])
+  std::vector<double> mass;       // njoints (kg), the universe's own left out  centerOfMass, computeTotalMass
+  PaddedMatrix Jcom;              // 3 x n                                      jacobianCenterOfMass
+  PaddedMatrix Ag, dAg;           // 6 x n, hg = Ag v, dhg = Ag a + dAg v       computeCentroidalMap[TimeVariation]
+  Force hg, dhg;                  // world axes, about the centre of mass       computeCentroidalMomentum[TimeVariation]
+  double kinetic_energy = 0, potential_energy = 0;  // J                        computeKineticEnergy, computePotentialEnergy
+  double mechanical_energy = 0;                     // J, their sum             computeMechanicalEnergy
 };
+// clang-format on
 
 struct Data : DataFields {
   explicit Data(const Model& model);

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <new>
 
@@ -18,13 +20,13 @@ class PaddedMatrix : public Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>
   PaddedMatrix() : PaddedMatrix(0, 0) {}
   PaddedMatrix(Eigen::Index rows, Eigen::Index cols)
       : Base(nullptr, rows, cols, Eigen::OuterStride<>(padded(rows))),
-        memory_(allocate(padded(rows) * cols)) {
-    reseat(memory_.get(), rows, cols);
-    std::fill_n(memory_.get(), padded(rows) * cols, 0.0);
+        memory_(std::calloc(static_cast<std::size_t>(padded(rows) * cols + 8), sizeof(double))) {
+    if (!memory_) throw std::bad_alloc();
+    reseat(aligned(), rows, cols);
   }
   PaddedMatrix(const PaddedMatrix& b) : PaddedMatrix(b.rows(), b.cols()) { Base::operator=(b); }
   PaddedMatrix(PaddedMatrix&& b) noexcept
-      : Base(b.memory_.get(), b.rows(), b.cols(), Eigen::OuterStride<>(padded(b.rows()))),
+      : Base(b.data(), b.rows(), b.cols(), Eigen::OuterStride<>(padded(b.rows()))),
         memory_(std::move(b.memory_)) {
     b.reseat(nullptr, 0, 0);
   }
@@ -32,26 +34,26 @@ class PaddedMatrix : public Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>
   PaddedMatrix& operator=(PaddedMatrix&& b) noexcept {
     const Eigen::Index rows = b.rows(), cols = b.cols();
     memory_ = std::move(b.memory_);
-    reseat(memory_.get(), rows, cols);
+    reseat(memory_ ? aligned() : nullptr, rows, cols);
     b.reseat(nullptr, 0, 0);
     return *this;
   }
 
  private:
+  // calloc: pages of a large matrix that nobody writes are never there
   struct Free {
-    void operator()(double* p) const { ::operator delete[](p, std::align_val_t(64)); }
+    void operator()(void* p) const { std::free(p); }
   };
   static Eigen::Index padded(Eigen::Index n) { return n > 0 ? (n + 7) / 8 * 8 : 8; }
-  static double* allocate(Eigen::Index n) {
-    return static_cast<double*>(
-        ::operator new[](static_cast<std::size_t>(n) * sizeof(double), std::align_val_t(64)));
+  double* aligned() const {
+    return reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(memory_.get()) + 63) / 64 * 64);
   }
   // Eigen's own way to change what a Map points at.
   void reseat(double* data, Eigen::Index rows, Eigen::Index cols) {
     new (static_cast<Base*>(this)) Base(data, rows, cols, Eigen::OuterStride<>(padded(rows)));
   }
 
-  std::unique_ptr<double[], Free> memory_;
+  std::unique_ptr<void, Free> memory_;
 };
 
 }  // namespace rbd

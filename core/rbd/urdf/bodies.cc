@@ -76,7 +76,7 @@ void check_bodies(const Model& model, const Elements& elements, Report& report) 
     const bool slides = joint.kind() == JointKind::Prismatic;
     const Eigen::Vector3d none = Eigen::Vector3d::Zero();
     const Motion unit = slides ? Motion(none, joint.axis()) : Motion(joint.axis(), none);
-    const bool still = joint.kind() != JointKind::FreeFlyer && body.vtiv(unit) <= 1e-12 * body.mass();
+    const bool still = joint.kind_nv() == 1 && body.vtiv(unit) <= 1e-12 * body.mass();
     const char* singular = ": the mass matrix is singular unless the joint has armature";
     const std::string missing = " (<inertial> missing, or mass 0)";
 

@@ -90,7 +90,8 @@ void check_limit(XMLElement& joint, bool bounded, const std::string& owner, Repo
   const std::string seen = "(lower " + show(lower) + ", upper " + show(upper) + ")";
   if (!bounded) {
     if (lower != 0 || upper != 0)
-      report.note(line_of(*limit), owner, "continuous: position limits are not used " + seen);
+      report.note(line_of(*limit), owner,
+                  std::string(joint.Attribute("type")) + ": position limits are not used " + seen);
   } else if (lower > upper) {
     report.error(line_of(*limit), owner, "lower limit above the upper one " + seen);
   } else if (lower == upper) {
@@ -128,13 +129,13 @@ void check_joint(XMLElement& joint, const std::string& owner, Report& report) {
     check_limit(joint, type != "continuous", owner, report);
     check_dynamics(joint, owner, report);
   } else if (type == "planar" || type == "floating") {
+    if (type == "planar") check_axis(joint, owner, report);
+    check_limit(joint, false, owner, report);
+    check_dynamics(joint, owner, report);
+  } else if (!type.empty() && type != "fixed") {
     report.error(
         line_of(joint, "type"), owner,
-        "joint type '" + type + "' is not supported yet" +
-            (type == "floating" ? ": make the robot float by its root instead (floating base)" : ""));
-  } else if (!type.empty() && type != "fixed") {
-    report.error(line_of(joint, "type"), owner,
-                 "unknown joint type '" + type + "' (known: fixed revolute continuous prismatic)");
+        "unknown joint type '" + type + "' (known: fixed revolute continuous prismatic planar floating)");
   }
 }
 
@@ -262,6 +263,15 @@ void check_names(const Elements& elements, bool floating_base, Report& report) {
   }
 }
 
+namespace {
+
+bool has_many_dofs(const XMLElement& joint) {
+  const std::string_view type = joint.Attribute("type");
+  return type == "planar" || type == "floating";
+}
+
+}  // namespace
+
 void check_mimic(const Elements& elements, bool honoured, Report& report) {
   const Severity severity = honoured ? Severity::Error : Severity::Warning;  // of a bad leader
   std::map<std::string, std::string> leader;                                 // follower joint -> leader
@@ -286,6 +296,12 @@ void check_mimic(const Elements& elements, bool honoured, Report& report) {
       report.add(severity, line, owner, "mimics joint '" + target + "', which does not exist");
     } else if (std::string_view(found->second->Attribute("type")) == "fixed") {
       report.add(severity, line, owner, "mimics joint '" + target + "', which is fixed");
+    } else if (const auto* many = has_many_dofs(*joint)           ? joint
+                                  : has_many_dofs(*found->second) ? found->second
+                                                                  : nullptr) {
+      report.add(severity, line, owner,
+                 "mimics joint '" + target + "', but " + owner_of(*many) + " is " + many->Attribute("type") +
+                     ": only joints of one degree of freedom can mimic or lead");
     } else {
       leader[name] = target;
     }
@@ -299,18 +315,7 @@ void check_mimic(const Elements& elements, bool honoured, Report& report) {
                  owner_of(*elements.joints.at(name)), "mimics itself, through joint '" + target + "'");
     return;
   }
-  if (report.failed() || leader.empty()) return;
-
-  const auto& [name, target] = *leader.begin();
-  if (honoured) {
-    const std::string more =
-        leader.size() > 1 ? " (and " + std::to_string(leader.size() - 1) + " more joints do so)" : "";
-    report.error(line_of(*elements.joints.at(name)->FirstChildElement("mimic")),
-                 owner_of(*elements.joints.at(name)),
-                 "mimics joint '" + target + "'" + more +
-                     ", which is not supported yet: set mimic: false (--no-mimic) to make it a free joint");
-    return;
-  }
+  if (report.failed() || honoured) return;
   for (const auto& [follower, followed] : leader) {
     const XMLElement& joint = *elements.joints.at(follower);
     report.note(line_of(*joint.FirstChildElement("mimic")), owner_of(joint),

@@ -29,7 +29,7 @@ std::string skeleton(XMLElement& robot) {
     keep_only(*e, [&](std::string_view tag) {
       if (link) return tag == "inertial";
       if (tag == "origin" || tag == "parent" || tag == "child") return true;
-      return !fixed && (tag == "axis" || tag == "limit" || tag == "dynamics");
+      return !fixed && (tag == "axis" || tag == "limit" || tag == "dynamics" || tag == "mimic");
     });
   }
   tinyxml2::XMLPrinter printer(nullptr, true);

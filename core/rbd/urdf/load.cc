@@ -44,7 +44,8 @@ double limit_of(double value) {
 // Builds the tree below the root link; brothers alphabetical, depth first, without recursion.
 class Builder {
  public:
-  Builder(const Tree& tree, bool floating_base, Model& model) : tree_(tree), model_(model) {
+  Builder(const Tree& tree, const Options& options, Model& model) : tree_(tree), model_(model) {
+    const bool floating_base = options.floating_base;
     model_.name = tree.getName();
     JointIndex root = 0;
     if (floating_base) root = model_.addJoint(0, JointModelFreeFlyer(), SE3::Identity(), "root_joint");
@@ -54,6 +55,7 @@ class Builder {
       open_.pop_back();
       add_joint(*joint);
     }
+    if (options.mimic) follow_leaders();
   }
 
  private:
@@ -74,34 +76,51 @@ class Builder {
   }
 
   JointIndex add_moving(const ::urdf::Joint& joint, JointIndex carrier, const SE3& placement) {
-    const double inf = std::numeric_limits<double>::infinity();
-    const auto one = [](double x) { return Eigen::VectorXd::Constant(1, limit_of(x)); };
-    const bool bounded = joint.type != ::urdf::Joint::CONTINUOUS;
-    const double effort = joint.limits ? joint.limits->effort : inf;
-    const double velocity = joint.limits ? joint.limits->velocity : inf;
-    const JointIndex index =
-        model_.addJoint(carrier, kind_of(joint), placement, joint.name, one(effort), one(velocity),
-                        one(bounded ? joint.limits->lower : -inf), one(bounded ? joint.limits->upper : inf));
+    const JointModel kind = kind_of(joint);
+    JointLimits limits;
+    if (joint.limits) {
+      // one number for all dofs of a joint, as for one
+      const auto all = [&](double x) { return Eigen::VectorXd::Constant(kind.kind_nv(), limit_of(x)); };
+      limits.lowerEffort = all(-joint.limits->effort);
+      limits.upperEffort = all(joint.limits->effort);
+      limits.lowerVelocity = all(-joint.limits->velocity);
+      limits.upperVelocity = all(joint.limits->velocity);
+      if (joint.type == ::urdf::Joint::REVOLUTE || joint.type == ::urdf::Joint::PRISMATIC) {
+        limits.lowerPosition = all(joint.limits->lower);
+        limits.upperPosition = all(joint.limits->upper);
+      }
+    }
+    const JointIndex index = model_.addJoint(carrier, kind, placement, joint.name, limits);
     if (joint.dynamics) {
-      const int v = model_.joints[index].idx_v();
-      model_.damping[v] = joint.dynamics->damping;
-      model_.friction[v] = joint.dynamics->friction;
+      const int v = model_.joints[index].idx_v(), nv = kind.kind_nv();
+      model_.damping.segment(v, nv).setConstant(joint.dynamics->damping);
+      model_.friction.segment(v, nv).setConstant(joint.dynamics->friction);
     }
     return index;
   }
 
+  // Leaders may stand anywhere, so this waits until all joints are there.
+  void follow_leaders() {
+    for (JointIndex j = 1; j < model_.njoints; ++j) {
+      const ::urdf::JointConstSharedPtr joint = tree_.getJoint(model_.names[j]);
+      if (!joint || !joint->mimic) continue;
+      model_.setMimic(j, model_.jointId(joint->mimic->joint_name), joint->mimic->multiplier,
+                      joint->mimic->offset);
+    }
+  }
+
   static JointModel kind_of(const ::urdf::Joint& joint) {
     const Eigen::Vector3d axis = vector_of(joint.axis);
+    if (joint.type == ::urdf::Joint::FLOATING) return JointModelFreeFlyer();
+    if (joint.type == ::urdf::Joint::PLANAR) return JointModelPlanar(axis);
     if (joint.type == ::urdf::Joint::PRISMATIC) return JointModelPrismaticUnaligned(axis);
     if (joint.type == ::urdf::Joint::CONTINUOUS) return JointModelContinuous(axis);
     return JointModelRevoluteUnaligned(axis);
   }
 
   void add_link(const ::urdf::Link& link, JointIndex carrier, const SE3& placement, FrameIndex above) {
-    if (link.inertial) {
-      model_.appendBodyToJoint(carrier, inertia_of(*link.inertial), placement);
-    }
-    model_.addBodyFrame(link.name, carrier, placement, above);
+    const Inertia inertia = link.inertial ? inertia_of(*link.inertial) : Inertia::Zero();
+    model_.addBodyFrame(link.name, carrier, placement, above, inertia);
 
     std::vector<JointPtr> below = link.child_joints;
     std::sort(below.begin(), below.end(),
@@ -145,7 +164,7 @@ void load_checked(const std::string& text, const Options& options, Loaded& out, 
 
   const ::urdf::ModelInterfaceSharedPtr tree = read_dom(*robot, elements, report);
   if (!tree) return;
-  Builder(*tree, options.floating_base, out.model);
+  Builder(*tree, options, out.model);
   check_bodies(out.model, elements, report);
   if (report.failed()) return;
   if (options.meshes) find_meshes(shapes, options.package_dirs, report);

@@ -6,7 +6,7 @@
 // What comes out: moving joints depth first, brothers in alphabetical order of their names. Fixed joints are
 // welded: the link's inertia goes to the moving joint above it (or to the universe, joint 0), and a frame
 // remains. Frames: one BODY frame a link, and one JOINT or FIXED_JOINT frame a joint, both with the joint's
-// pose. Read: link, inertial, joint (revolute, continuous, prismatic, fixed), limit, dynamics, mimic, visual,
+// pose. Read: link, inertial, joint (fixed, revolute, continuous, prismatic, planar, floating), limit, dynamics, mimic, visual,
 // collision, material. Anything else is left out and named in the diagnostics.
 //
 // Errors: a file that cannot be used is refused (urdf::Error, whose text has one line per error) and nothing
@@ -25,7 +25,7 @@ namespace rbd::urdf {
 
 struct Options {
   bool floating_base = false;  // a free-flyer joint named "root_joint" above the root link
-  bool mimic = true;           // false: a joint with <mimic> becomes a free joint
+  bool mimic = true;           // true: a joint with <mimic> follows its leader; false: it is a free joint
   bool meshes = true;          // false: mesh files are not looked for, no warnings about them
   std::vector<std::string>
       package_dirs;  // where package://P/.. is looked for first (folders that hold P, or P)

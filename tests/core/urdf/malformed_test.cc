@@ -140,8 +140,6 @@ const std::vector<Case>& cases() {
       {"joint without type", with_joint("<joint name='j'>" + kEnds + "</joint>"), 4, kError, "joint 'j'",
        "no 'type'"},
       {"unknown type", with_type("hinge", ""), 4, kError, "joint 'j'", "'hinge'"},
-      {"planar", with_type("planar", kAxis), 4, kError, "joint 'j'", "not supported yet"},
-      {"floating", with_type("floating", ""), 4, kError, "joint 'j'", "floating base"},
       {"no parent", with_joint("<joint name='j' type='fixed'><child link='tip'/></joint>"), 4, kError,
        "joint 'j'", "no <parent>"},
       {"no child", with_joint("<joint name='j' type='fixed'><parent link='tip'/></joint>"), 4, kError,
@@ -213,10 +211,6 @@ const std::vector<Case>& cases() {
        5, kError, "joint 'i'", "which is fixed"},
       {"mimic multiplier", revolute(kAxis + kLimit + "<mimic joint='j' multiplier='1,5'/>"), 4, kError,
        "joint 'j'", "commas"},
-      {"sound mimic, not there yet",
-       kHead + link("a") + link("b") + link("c") + chain("i", "a", "b") +
-           chain("j", "a", "c", "\n<mimic joint='i'/>") + kTail,
-       7, kError, "joint 'j'", "mimics joint 'i', which is not supported yet: set mimic: false"},
 
       // shapes
       {"visual without geometry", visual(""), 3, kError, "link 'tip'", "no <geometry>"},

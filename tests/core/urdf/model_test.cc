@@ -224,10 +224,40 @@ TEST(UrdfModel, FreeFlyerRoot) {
   EXPECT_EQ(taken.diagnostics[0].element, "joint 'root_joint'");
 }
 
+TEST(UrdfModel, MimicIsFollowed) {
+  // the leader comes behind its follower in the model's order, and follows another itself
+  const std::string text =
+      link("a") + link("b") + link("c") + link("d") + joint("y_lead", "continuous", "a", "b") +
+      joint("b_follow", "revolute", "a", "c",
+            "<axis xyz='0 0 1'/><mimic joint='m_follow' multiplier='-2' offset='0.5'/>") +
+      joint("m_follow", "prismatic", "a", "d", "<axis xyz='0 0 1'/><mimic joint='y_lead' multiplier='3'/>");
+  const Loaded loaded = robot(text);
+  ASSERT_TRUE(loaded.ok());
+  const Model& model = loaded.model;
+  EXPECT_EQ(model.nv, 1);
+  Data data(model);
+  forwardKinematics(model, data, Eigen::VectorXd::Constant(1, 0.1));
+  const auto pose = [&](const char* name) { return data.oMi[model.jointId(name)]; };
+  EXPECT_NEAR(log3(pose("y_lead").rotation()).norm(), 0.1, 1e-15);
+  EXPECT_NEAR(pose("m_follow").translation()[2], 0.3, 1e-15);
+  EXPECT_NEAR(log3(pose("b_follow").rotation())[2], -2 * 0.3 + 0.5, 1e-15);
+}
+
+TEST(UrdfModel, PlanarAndFloating) {
+  const Loaded loaded =
+      robot(link("a") + link("b") + link("c") + joint("p", "planar", "a", "b", "<axis xyz='0 1 0'/>") +
+            joint("q", "floating", "b", "c"));
+  ASSERT_TRUE(loaded.ok());
+  EXPECT_EQ(loaded.model.joints[1].shortname(), "Planar");
+  EXPECT_EQ(loaded.model.joints[2].shortname(), "FreeFlyer");
+  EXPECT_EQ(loaded.model.nq, 11);
+  EXPECT_TRUE(loaded.model.joints[1].axis() == Eigen::Vector3d::UnitY());
+}
+
 TEST(UrdfModel, MimicCanBeLeftOut) {
   const std::string text = link("a") + link("b") + link("c") + joint("lead", "revolute", "a", "b") +
                            joint("follow", "revolute", "a", "c", "<axis xyz='0 0 1'/><mimic joint='lead'/>");
-  EXPECT_FALSE(robot(text).ok());
+  EXPECT_EQ(robot(text).model.nv, 1);
   Options options;
   options.mimic = false;
   const Loaded free = robot(text, options);
