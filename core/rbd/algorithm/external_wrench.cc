@@ -6,6 +6,20 @@
 namespace rbd::inner {
 namespace {
 
+void checkWrenches(const char* function, const Model& model, const FrameWrenches& wrenches) {
+  for (const FrameWrench& x : wrenches) {
+    checkFrame(function, model, x.frame);
+    if (!x.wrench.toVector().allFinite()) failWrench(function, model.frames[x.frame].name);
+  }
+}
+
+// Origin of a frame in world axes, from the centre.
+Vec3<double> originOf(const Model& model, const Scratch<double>& s, const Frame& frame) {
+  const int body = model.tree().bodyOf[frame.parentJoint];
+  return s.p[body] +
+         timesMatrix(s.R[body], model.tree().joints[body].turnT) * fromEigen(frame.placement.translation());
+}
+
 // The wrench in world axes, about the centre.
 Force<double> aboutCentre(const Model& model, const Scratch<double>& s, const FrameWrench& x) {
   const Vec3<double> n = fromEigen(x.wrench.angular()), f = fromEigen(x.wrench.linear());
@@ -13,7 +27,7 @@ Force<double> aboutCentre(const Model& model, const Scratch<double>& s, const Fr
   const Frame& frame = model.frames[x.frame];
   const int body = model.tree().bodyOf[frame.parentJoint];
   const Mat3<double> R = timesMatrix(s.R[body], model.tree().joints[body].turnT);
-  const Vec3<double> p = s.p[body] + R * fromEigen(frame.placement.translation());
+  const Vec3<double> p = originOf(model, s, frame);
   if (x.reference == LOCAL_WORLD_ALIGNED) return {n + cross(p, f), f};
   const Vec3<double> force = R * fromEigen(frame.placement.rotation() * x.wrench.linear());
   return {R * fromEigen(frame.placement.rotation() * x.wrench.angular()) + cross(p, force), force};
@@ -23,10 +37,7 @@ Force<double> aboutCentre(const Model& model, const Scratch<double>& s, const Fr
 
 void addWrenchEfforts(const char* function, const Model& model, Data& data, const ConstVectorRef& q,
                       const FrameWrenches& wrenches, double sign, Eigen::VectorXd& tau) {
-  for (const FrameWrench& x : wrenches) {
-    checkFrame(function, model, x.frame);
-    if (!x.wrench.toVector().allFinite()) failWrench(function, model.frames[x.frame].name);
-  }
+  checkWrenches(function, model, wrenches);
   Workspace& work = data.work();
   Scratch<double>& s = work.d;
   const Joints& joints = model.tree().joints;
@@ -45,6 +56,43 @@ void addWrenchEfforts(const char* function, const Model& model, Data& data, cons
       tau[map.v_source[k]] += sign * map.v_ratio[k] * dot(s.column[k], s.f[i]);
     }
     s.f[joints[i].parent] = s.f[joints[i].parent] + s.f[i];
+  }
+}
+
+// The effort of dof k from one wrench f is S_k . f. Moving a dof l that carries dof k turns S_k by S_l x S_k;
+// moving any that carries the body moves f as its reference says.
+void addWrenchDerivatives(const char* function, const Model& model, Data& data, const ConstVectorRef& q,
+                          const FrameWrenches& wrenches, double sign, PaddedMatrix& dtau_dq) {
+  checkWrenches(function, model, wrenches);
+  Workspace& work = data.work();
+  Scratch<double>& s = work.d;
+  const Joints& joints = model.tree().joints;
+  const MimicMap& map = model.tree().mimic;
+  const double* const tree_q = treeQ(model, work, q);
+  angles(model, tree_q, s);
+  worldPoses(joints, tree_q, s);
+  worldColumns(joints, s);
+  for (const FrameWrench& x : wrenches) {
+    const Force<double> f = aboutCentre(model, s, x);
+    const Vec3<double> origin = originOf(model, s, model.frames[x.frame]);
+    const int body = model.tree().bodyOf[model.frames[x.frame].parentJoint];
+    for (int upper = body; upper > 0; upper = joints[upper].parent) {
+      for (int l = joints[upper].idx_v; l < joints[upper].idx_v + joints[upper].nv; ++l) {
+        const Motion<double>& S = s.column[l];
+        Force<double> change = Force<double>::zero();
+        if (x.reference == LOCAL) change = crossForce(S, f);
+        if (x.reference == LOCAL_WORLD_ALIGNED) change.n = cross(S.v + cross(S.w, origin), f.f);
+        bool carried = true;  // whether dof l carries joint `lower`
+        for (int lower = body; lower > 0; lower = joints[lower].parent) {
+          for (int k = joints[lower].idx_v; k < joints[lower].idx_v + joints[lower].nv; ++k) {
+            const double turned = carried ? dot(cross(S, s.column[k]), f) : 0;
+            dtau_dq(map.v_source[k], map.v_source[l]) +=
+                sign * map.v_ratio[k] * map.v_ratio[l] * (turned + dot(s.column[k], change));
+          }
+          if (lower == upper) carried = false;
+        }
+      }
+    }
   }
 }
 

@@ -23,6 +23,9 @@ namespace inner {
 // tau += sign * sum of J' f. Checks the wrenches.
 void addWrenchEfforts(const char* function, const Model& model, Data& data, const ConstVectorRef& q,
                       const FrameWrenches& wrenches, double sign, Eigen::VectorXd& tau);
+// dtau_dq += sign * the derivative of that sum in q.
+void addWrenchDerivatives(const char* function, const Model& model, Data& data, const ConstVectorRef& q,
+                          const FrameWrenches& wrenches, double sign, PaddedMatrix& dtau_dq);
 }  // namespace inner
 
 }  // namespace rbd

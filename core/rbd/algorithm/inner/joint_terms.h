@@ -33,4 +33,11 @@ inline void addFrictionEfforts(const Model& model, const ConstVectorRef& v, doub
   for (int k = 0; k < model.nv; ++k) tau[k] += sign * model.friction[k] * std::tanh(v[k] / kFrictionRate);
 }
 
+// Its slope in v, of dof k.
+inline double frictionSlope(const Model& model, int k, double v) {
+  const double t = std::tanh(v / kFrictionRate);
+  return (model.terms.damping ? model.damping[k] : 0.0) +
+         (model.terms.friction ? model.friction[k] / kFrictionRate * (1 - t * t) : 0.0);
+}
+
 }  // namespace rbd::inner

@@ -49,6 +49,37 @@ struct RigidInertia {
   }
 };
 
+// What a moving body's inertia does to a motion: B m = 1/2 (v x* I m + m x* I v - I (v x m)). Of its 36
+// entries only a matrix N and the linear momentum p differ from zero: B m = (N w, -p x w). Like inertias,
+// they add. Source: Echeandia, Wensing, Numerical methods to compute the Coriolis matrix, 2021.
+template <class S>
+struct CoriolisInertia {
+  Mat3<S> N;
+  Vec3<S> p;
+
+  // Of a body of inertia I that moves with v. With J = sum of m r r', the second moments of its mass:
+  // N x = -w x (J x) - h x (u x x), with u = v.v.
+  static CoriolisInertia of(const RigidInertia<S>& I, const Motion<S>& v) {
+    const S o(0), half = (I.I.c0[0] + I.I.c1[1] + I.I.c2[2]) * S(0.5), hu = dot(I.h, v.v);
+    const auto column = [&](const Vec3<S>& Ik, int k, const Vec3<S>& e) {
+      return cross(e * half - Ik, v.w) - v.v * I.h[k] + e * hu;
+    };
+    return {{column(I.I.c0, 0, Vec3<S>::make(S(1), o, o)), column(I.I.c1, 1, Vec3<S>::make(o, S(1), o)),
+             column(I.I.c2, 2, Vec3<S>::make(o, o, S(1)))},
+            v.v * I.m - cross(I.h, v.w)};
+  }
+  friend CoriolisInertia operator+(const CoriolisInertia& a, const CoriolisInertia& b) {
+    return {a.N + b.N, a.p + b.p};
+  }
+  friend Force<S> operator*(const CoriolisInertia& b, const Motion<S>& m) {
+    return {b.N * m.w, cross(m.w, b.p)};
+  }
+  // B' m, as a force: dot(a, B' m) = dot(m, B a).
+  Force<S> transposeTimes(const Motion<S>& m) const {
+    return {Vec3<S>::make(dot(N.c0, m.w), dot(N.c1, m.w), dot(N.c2, m.w)) + cross(p, m.v), Vec3<S>::zero()};
+  }
+};
+
 // The articulated-body inertia: a full symmetric 6x6 as columns. (n; f) = [A B; B' M] (w; v).
 // It keeps B and its transpose, so that a product is twelve multiply-adds without any shuffle.
 template <class S>

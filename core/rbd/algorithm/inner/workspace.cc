@@ -18,6 +18,8 @@ Scratch<S>::Scratch(const Model& model) {
   v.assign(bodies, Motion<S>::zero());
   a.assign(bodies, Motion<S>::zero());
   f.assign(bodies, Force<S>::zero());
+  B.resize(bodies);
+  for (std::vector<Motion<S>>* x : {&rate, &rest, &rest2}) x->assign(nv, Motion<S>::zero());
   IA.resize(bodies);
   U.assign(nv, Force<S>::zero());
   inverseD.resize(nv);
@@ -71,9 +73,9 @@ Workspace::Workspace(const Model& model) : topology(model.topology()), d(model) 
     for (int k = 0; k < model.nv; ++k) eliminationParent[k] = k - 1;
     q.resize(static_cast<std::size_t>(tree.nq));
     for (std::vector<double>* x : {&v, &a, &tau}) x->resize(nv);
-    J = PaddedMatrix(6, tree.nv);
+    for (PaddedMatrix* x : {&J, &dJ, &Ag}) *x = PaddedMatrix(6, tree.nv);
     Jcom = PaddedMatrix(3, tree.nv);
-    M = PaddedMatrix(tree.nv, tree.nv);
+    for (PaddedMatrix* x : {&M, &M2}) *x = PaddedMatrix(tree.nv, tree.nv);
   }
 
   d.F.assign(static_cast<std::size_t>(6 * stride), 0.0);

@@ -20,15 +20,18 @@ struct Scratch {
   explicit Scratch(const Model& model);
 
   // bodies and dofs are those of the kernels' tree (packed_joint.h)
-  std::vector<S> sine, cosine;            // nq + 3: of every entry of q (only those of angles are used)
-  std::vector<Pose<S>> X;                 // bodies, joint in its parent                  localPoses
-  std::vector<Mat3<S>> R;                 // bodies, kernel frame in world axes           worldPoses
-  std::vector<Vec3<S>> p;                 // bodies, its origin from the centre (m)       worldPoses
-  Vec3<S> centre = Vec3<S>::zero();       // in the world (m)                             worldPoses
-  std::vector<Motion<S>> column;          // nv, motion of one dof, world axes            worldColumns
-  std::vector<RigidInertia<S>> I;         // bodies, world axes                           worldInertias
-  std::vector<Motion<S>> v, a;            // bodies, local or world as the algorithm says
-  std::vector<Force<S>> f;                // bodies, the same
+  std::vector<S> sine, cosine;        // nq + 3: of every entry of q (only those of angles are used)
+  std::vector<Pose<S>> X;             // bodies, joint in its parent                  localPoses
+  std::vector<Mat3<S>> R;             // bodies, kernel frame in world axes           worldPoses
+  std::vector<Vec3<S>> p;             // bodies, its origin from the centre (m)       worldPoses
+  Vec3<S> centre = Vec3<S>::zero();   // in the world (m)                             worldPoses
+  std::vector<Motion<S>> column;      // nv, motion of one dof, world axes            worldColumns
+  std::vector<RigidInertia<S>> I;     // bodies, world axes                           worldInertias
+  std::vector<Motion<S>> v, a;        // bodies, local or world as the algorithm says
+  std::vector<Force<S>> f;            // bodies, the same
+  std::vector<CoriolisInertia<S>> B;  // bodies, world axes                           coriolisTerms
+  std::vector<Motion<S>> rate, rest,
+      rest2;                              // nv, of a column: its rate; what of it stays behind (motionRates)
   std::vector<ArticulatedInertia<S>> IA;  // bodies, world axes                         aba, computeMinverse
   std::vector<Force<S>> U;                // nv, IA column
   std::vector<S> inverseD, u;             // nv
@@ -56,7 +59,7 @@ struct Workspace {
   Eigen::VectorXd effort;              // nv
   // the tree's vectors and matrices; empty while no joint mimics another
   std::vector<double> q, v, a, tau;
-  PaddedMatrix J, Jcom, M;
+  PaddedMatrix J, dJ, Jcom, Ag, M, M2;
 };
 
 }  // namespace rbd::inner

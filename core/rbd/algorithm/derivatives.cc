@@ -1,0 +1,167 @@
+#include "rbd/algorithm/derivatives.h"
+
+#include "rbd/algorithm/aba.h"
+#include "rbd/algorithm/inner/joint_terms.h"
+#include "rbd/algorithm/inner/mimic.h"
+#include "rbd/algorithm/inner/motion_rates.h"
+#include "rbd/algorithm/minverse.h"
+
+namespace rbd {
+namespace inner {
+namespace {
+
+struct Derivatives {
+  double *dq, *dv;  // nv x nv, column-major
+  int stride;
+};
+
+// Singh, Russell, Wensing 2022, in world axes. With I, B, F of everything behind joint i (motion_rates.h has
+// rate, rest and rest2), moving dof l behind or in joint i's own body changes the forces there by
+//   I rest2_l + 2 B rest_l + S_l x* F,    its rate by    I (rate_l + rest_l) + 2 B S_l.
+// Seen from a joint that l itself carries, the last force term is mere carrying along and drops out.
+void rneaDerivativesKernel(const Model& model, const int* dof_parent, Scratch<double>& s, const double* q,
+                           const double* qd, const double* qdd, const Derivatives& out) {
+  const Joints& joints = model.tree().joints;
+  const int nv = model.tree().nv;
+  angles(model, q, s);
+  worldPoses(joints, q, s);
+  motionRates(joints, qd, qdd, {Vec3<double>::zero(), -gravity<double>(model)}, s);
+  for (int i = 1; i < model.tree().size(); ++i) {
+    s.I[i] = worldInertia(joints[i], s.R[i], s.p[i]);
+    s.B[i] = CoriolisInertia<double>::of(s.I[i], s.v[i]);
+    s.f[i] = s.I[i] * s.a[i] + crossForce(s.v[i], s.I[i] * s.v[i]);
+  }
+  for (int k = 0; k < nv; ++k) {
+    std::fill_n(out.dq + k * out.stride, nv, 0.0);
+    std::fill_n(out.dv + k * out.stride, nv, 0.0);
+  }
+
+  s.I[0] = RigidInertia<double>{};
+  s.B[0] = CoriolisInertia<double>{};
+  s.f[0] = Force<double>::zero();
+  for (int i = model.tree().size() - 1; i > 0; --i) {
+    const PackedJoint& joint = joints[i];
+    const int end = joint.idx_v + joint.nv;
+    for (int k = joint.idx_v; k < end; ++k) {
+      const Motion<double>& S = s.column[k];
+      // row k: how the effort of dof k answers to the dofs that carry it, and to those of its own joint
+      const Force<double> inertia = s.I[i] * S, coriolis = s.B[i].transposeTimes(S) * 2.0;
+      const auto row = [&](int l) {
+        out.dq[l * out.stride + k] = dot(s.rest2[l], inertia) + dot(s.rest[l], coriolis);
+        out.dv[l * out.stride + k] = dot(s.rate[l] + s.rest[l], inertia) + dot(s.column[l], coriolis);
+      };
+      for (int l = joint.idx_v; l < end; ++l) row(l);
+      // column k: how the efforts of those that carry it answer to dof k
+      const Force<double> by_q = s.I[i] * s.rest2[k] + s.B[i] * s.rest[k] * 2.0 + crossForce(S, s.f[i]);
+      const Force<double> by_v = s.I[i] * (s.rate[k] + s.rest[k]) + s.B[i] * S * 2.0;
+      for (int l = dof_parent[joint.idx_v]; l >= 0; l = dof_parent[l]) {
+        row(l);
+        out.dq[k * out.stride + l] = dot(s.column[l], by_q);
+        out.dv[k * out.stride + l] = dot(s.column[l], by_v);
+      }
+    }
+    s.I[joint.parent] = s.I[joint.parent] + s.I[i];
+    s.B[joint.parent] = s.B[joint.parent] + s.B[i];
+    s.f[joint.parent] = s.f[joint.parent] + s.f[i];
+  }
+}
+
+void addFrictionSlopes(const Model& model, const ConstVectorRef& v, PaddedMatrix& dtau_dv) {
+  for (int k = 0; k < model.nv; ++k) dtau_dv(k, k) += frictionSlope(model, k, v[k]);
+}
+
+// -Minv dtau, where column l of dtau has entries only in the rows that dof l moves or is moved by.
+void minusMinvTimes(const Model& model, const Workspace& work, const PaddedMatrix& Minv,
+                    const PaddedMatrix& dtau, PaddedMatrix& out) {
+  if (!model.tree().mimic.identity) {
+    for (int l = 0; l < model.nv; ++l) {
+      out.col(l).setZero();
+      for (int k = 0; k < model.nv; ++k) out.col(l) -= dtau(k, l) * Minv.col(k);
+    }
+    return;
+  }
+  for (int at = 0; at < model.nv; ++at) {
+    const int l = work.order[at];
+    const auto take = [&](int k) { out.col(l) -= dtau(k, l) * Minv.col(k); };
+    out.col(l).setZero();
+    for (int below = at; below < work.subtreeEnd[at]; ++below) take(work.order[below]);
+    for (int above = work.dofParent[l]; above >= 0; above = work.dofParent[above]) take(above);
+  }
+}
+
+}  // namespace
+}  // namespace inner
+
+void computeRNEADerivatives(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                            const ConstVectorRef& a) {
+  inner::checkInputs("computeRNEADerivatives", model, data, q, "v", v, "a", a);
+  inner::Workspace& work = data.work();
+  const inner::Derivatives out = {inner::treeColumns(model, work.M, data.dtau_dq),
+                                  inner::treeColumns(model, work.M2, data.dtau_dv), work.stride};
+  inner::rneaDerivativesKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
+                               inner::treeV(model, work.v, v), inner::treeV(model, work.a, a), out);
+  inner::gatherBothSides(model, work.M, data.dtau_dq);
+  inner::gatherBothSides(model, work.M2, data.dtau_dv);
+  inner::addFrictionSlopes(model, v, data.dtau_dv);
+}
+
+void computeRNEADerivatives(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                            const ConstVectorRef& a, const FrameWrenches& wrenches) {
+  computeRNEADerivatives(model, data, q, v, a);
+  inner::addWrenchDerivatives("computeRNEADerivatives", model, data, q, wrenches, -1, data.dtau_dq);
+}
+
+void computeRNEADerivatives(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                            const ConstVectorRef& a, MatrixRef dtau_dq, MatrixRef dtau_dv) {
+  inner::checkOut("computeRNEADerivatives", "dtau_dq", dtau_dq, model.nv, model.nv);
+  inner::checkOut("computeRNEADerivatives", "dtau_dv", dtau_dv, model.nv, model.nv);
+  computeRNEADerivatives(model, data, q, v, a);
+  dtau_dq = data.dtau_dq;
+  dtau_dv = data.dtau_dv;
+}
+
+void computeABADerivatives(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                           const ConstVectorRef& tau) {
+  aba(model, data, q, v, tau);
+  computeMinverse(model, data, q);
+  computeRNEADerivatives(model, data, q, v, data.ddq);
+  inner::minusMinvTimes(model, data.work(), data.Minv, data.dtau_dq, data.ddq_dq);
+  inner::minusMinvTimes(model, data.work(), data.Minv, data.dtau_dv, data.ddq_dv);
+}
+
+void computeABADerivatives(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                           const ConstVectorRef& tau, const FrameWrenches& wrenches) {
+  aba(model, data, q, v, tau, wrenches);
+  computeMinverse(model, data, q);
+  computeRNEADerivatives(model, data, q, v, data.ddq, wrenches);
+  inner::minusMinvTimes(model, data.work(), data.Minv, data.dtau_dq, data.ddq_dq);
+  inner::minusMinvTimes(model, data.work(), data.Minv, data.dtau_dv, data.ddq_dv);
+}
+
+void computeABADerivatives(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+                           const ConstVectorRef& tau, MatrixRef ddq_dq, MatrixRef ddq_dv,
+                           MatrixRef ddq_dtau) {
+  inner::checkOut("computeABADerivatives", "ddq_dq", ddq_dq, model.nv, model.nv);
+  inner::checkOut("computeABADerivatives", "ddq_dv", ddq_dv, model.nv, model.nv);
+  inner::checkOut("computeABADerivatives", "ddq_dtau", ddq_dtau, model.nv, model.nv);
+  computeABADerivatives(model, data, q, v, tau);
+  ddq_dq = data.ddq_dq;
+  ddq_dv = data.ddq_dv;
+  ddq_dtau = data.Minv;
+}
+
+const PaddedMatrix& computeStaticTorqueDerivatives(const Model& model, Data& data, const ConstVectorRef& q,
+                                                   const FrameWrenches& wrenches) {
+  data.work().effort.setZero();
+  computeRNEADerivatives(model, data, q, data.work().effort, data.work().effort, wrenches);
+  return data.dtau_dq;
+}
+
+const PaddedMatrix& computeGeneralizedGravityDerivatives(const Model& model, Data& data,
+                                                         const ConstVectorRef& q) {
+  data.work().effort.setZero();
+  computeRNEADerivatives(model, data, q, data.work().effort, data.work().effort);
+  return data.dtau_dq;
+}
+
+}  // namespace rbd
