@@ -181,6 +181,25 @@ void walk(const XMLElement& element, const Grammar& grammar, const std::string& 
 
 namespace {
 
+// Where the first bytes stand that are not UTF-8; npos if all are.
+size_t first_not_utf8(const std::string& text) {
+  for (size_t at = 0; at < text.size();) {
+    const unsigned char lead = static_cast<unsigned char>(text[at]);
+    const size_t length = lead < 0x80   ? 1
+                          : lead < 0xc2 ? 0
+                          : lead < 0xe0 ? 2
+                          : lead < 0xf0 ? 3
+                          : lead < 0xf5 ? 4
+                                        : 0;
+    if (length == 0 || at + length > text.size()) return at;
+    for (size_t k = 1; k < length; ++k) {
+      if ((static_cast<unsigned char>(text[at + k]) & 0xc0) != 0x80) return at;
+    }
+    at += length;
+  }
+  return std::string::npos;
+}
+
 // What tinyxml2 calls by a number.
 std::string in_words(tinyxml2::XMLError error) {
   switch (error) {
@@ -221,6 +240,9 @@ XMLElement* parse_robot(const std::string& text, tinyxml2::XMLDocument& document
   if (const size_t at = text.find('\0'); at != text.npos) {
     return refuse(line_at(at), "a zero byte: this is not XML in UTF-8");
   }
+  if (const size_t at = first_not_utf8(text); at != text.npos)
+    report.warn(line_at(at), "",
+                "bytes that are not UTF-8: save the file in that encoding, or names get lost");
   if (const size_t at = text.find("<!ENTITY"); at != text.npos) {
     return refuse(line_at(at), "entity declarations are refused (<!ENTITY)");
   }

@@ -68,7 +68,7 @@ std::string repeat(const std::string& text) {
 }
 
 std::string unescaped(const std::string& text) {
-  return replaced(replaced(text, "\\n", "\n"), "\\0", std::string(1, '\0'));
+  return replaced(replaced(replaced(text, "\\n", "\n"), "\\0", std::string(1, '\0')), "\\xE4", "\xE4");
 }
 
 std::string trimmed(const std::string& text) {
