@@ -2,6 +2,7 @@
 # Compares the lab with Pinocchio (PyPI `pin` 4.1.0). Optional: nothing of the lab depends on it.
 #
 # usage: tests/oracle/run.sh [ARGS for pytest]     (LAB_BUILD: the build to test, default build/release)
+#        tests/oracle/run.sh --urdf-corpus         (writes docs/urdf_corpus.md: our URDF reader beside others)
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 environment=$root/build/oracle
@@ -12,4 +13,11 @@ if [ ! -x "$environment/bin/pytest" ]; then
 fi
 # shellcheck source=scripts/lib.sh
 . "$root/scripts/lib.sh" # LAB_PACKAGE_PATH, where `lab robots` put them
+if [ "${1:-}" = --urdf-corpus ]; then
+  "$environment/bin/pip" install -q mujoco==4.0.0
+  "$root/scripts/lab" build --target urdf_corpus_write --target urdfdom_read
+  "$environment/bin/python" "$root/tests/oracle/urdf_corpus.py" "$root/build/release" >"$environment/urdf_corpus.md"
+  mv "$environment/urdf_corpus.md" "$root/docs/urdf_corpus.md"
+  exit
+fi
 exec "$environment/bin/pytest" -q -s -p no:cacheprovider "$root/tests/oracle" "$@"

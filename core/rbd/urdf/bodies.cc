@@ -45,13 +45,19 @@ void check_link(const XMLElement& link, const Inertia& body, bool fixed, Report&
     const Eigen::Vector3d whole = moments_of(body.inertia());
     const bool harmless = fixed || whole[0] >= -slack_of(whole);
     report.add(harmless ? Severity::Warning : Severity::Error, line, owner,
-               "inertia is not positive definite " + seen);
+               "inertia is not positive definite " + seen + ": look at its signs and products");
   } else if (mass == 0) {
     report.warn(line, owner, "inertia without mass " + seen);
   } else if (moments[0] <= slack_of(moments)) {
     report.warn(line, owner, "inertia is singular " + seen);
   } else if (moments[2] > moments[0] + moments[1] + slack_of(moments)) {
-    report.warn(line, owner, "no body has this inertia: one moment exceeds the sum of the others " + seen);
+    report.warn(line, owner,
+                "no body has this inertia: one moment exceeds the sum of the others " + seen +
+                    ", the largest may be " + show(moments[0] + moments[1]));
+  } else if (const double reach = std::sqrt(moments[2] / mass); reach > 100) {
+    report.warn(line, owner,
+                "a mass of " + show(mass) + " kg with this inertia lies " + show(reach) +
+                    " m from its centre: URDF has kg m^2, is this kg mm^2? " + seen);
   }
 }
 

@@ -18,14 +18,27 @@ using tinyxml2::XMLElement;
 
 // Limits may be written as "practically infinite"; nothing is computed from them but comparisons.
 constexpr double kLimitBound = std::numeric_limits<double>::max();
+constexpr double kFullTurn = 6.2832;  // 2 pi, as files round it
 
 void check_origin(XMLElement& parent, const std::string& owner, Report& report) {
   XMLElement* origin = parent.FirstChildElement("origin");
   if (!origin) return;
-  std::array<double, 3> numbers{};
-  for (const char* attribute : {"xyz", "rpy"}) {
-    if (origin->Attribute(attribute)) read_numbers(*origin, attribute, owner, numbers, report);
+  std::array<double, 3> xyz{}, rpy{};
+  if (origin->Attribute("xyz")) read_numbers(*origin, "xyz", owner, xyz, report);
+  if (!origin->Attribute("rpy") || !read_numbers(*origin, "rpy", owner, rpy, report)) return;
+  for (const double angle : rpy) {
+    if (std::abs(angle) <= kFullTurn) continue;
+    report.warn(
+        line_of(*origin, "rpy"), owner,
+        "rpy " + show(rpy) + " turns more than once around: URDF angles are radians, are these degrees?");
+    break;
   }
+}
+
+// Limits that a person would write in degrees: whole multiples of 5 of at least 45, on a joint that turns.
+bool looks_like_degrees(double lower, double upper) {
+  const auto round = [](double x) { return std::abs(x) <= 720 && std::remainder(x, 5) == 0; };
+  return round(lower) && round(upper) && std::max(std::abs(lower), std::abs(upper)) >= 45;
 }
 
 void check_inertial(XMLElement& link, const std::string& owner, Report& report) {
@@ -58,14 +71,16 @@ void check_axis(XMLElement& joint, const std::string& owner, Report& report) {
   const double norm = v.norm();
   const std::string seen = show(std::span(v.data(), 3));
   if (norm < 1e-6) {
-    report.error(line_of(*axis, "xyz"), owner, "axis is zero " + seen);
+    report.error(line_of(*axis, "xyz"), owner,
+                 "axis is zero " + seen + ": give the direction it turns about or slides along");
   } else if (std::abs(norm - 1) > 1e-3) {
     report.note(line_of(*axis, "xyz"), owner,
                 "axis " + seen + " has length " + show(norm) + ": it is normalised");
   }
 }
 
-void check_limit(XMLElement& joint, bool bounded, const std::string& owner, Report& report) {
+void check_limit(XMLElement& joint, std::string_view type, const std::string& owner, Report& report) {
+  const bool bounded = type == "revolute" || type == "prismatic";
   XMLElement* limit = joint.FirstChildElement("limit");
   if (!limit) {
     if (!bounded) return;
@@ -91,12 +106,40 @@ void check_limit(XMLElement& joint, bool bounded, const std::string& owner, Repo
   if (!bounded) {
     if (lower != 0 || upper != 0)
       report.note(line_of(*limit), owner,
-                  std::string(joint.Attribute("type")) + ": position limits are not used " + seen);
+                  std::string(type) + ": position limits are not used " + seen);
   } else if (lower > upper) {
-    report.error(line_of(*limit), owner, "lower limit above the upper one " + seen);
+    report.error(line_of(*limit), owner, "lower limit above the upper one " + seen + ": exchange them");
   } else if (lower == upper) {
-    report.warn(line_of(*limit), owner, "limits leave no room to move " + seen);
+    report.warn(line_of(*limit), owner,
+                "limits leave no room to move " + seen + ": make the joint 'fixed', or give it a range");
+  } else if (type == "revolute" && looks_like_degrees(lower, upper)) {
+    report.warn(line_of(*limit), owner, "limits " + seen + " are radians in URDF: are these degrees?");
   }
+}
+
+// Nothing computes with a safety controller; what contradicts itself or the limits is told all the same.
+void check_safety(XMLElement& joint, const std::string& owner, Report& report) {
+  XMLElement* safety = joint.FirstChildElement("safety_controller");
+  if (!safety) return;
+  double value = 0, lower = 0, upper = 0;
+  if (!read_number(*safety, "k_velocity", owner, value, report)) return;
+  bool read = true;
+  if (safety->Attribute("k_position")) read = read_number(*safety, "k_position", owner, value, report);
+  const bool soft = safety->Attribute("soft_lower_limit") || safety->Attribute("soft_upper_limit");
+  for (const char* name : {"soft_lower_limit", "soft_upper_limit"}) {
+    double& out = name[5] == 'l' ? lower : upper;
+    if (safety->Attribute(name)) read = read_number(*safety, name, owner, out, report, kLimitBound) && read;
+  }
+  if (!read || !soft) return;
+  const std::string seen = "(" + show(lower) + ", " + show(upper) + ")";
+  if (lower > upper) {
+    report.warn(line_of(*safety), owner, "soft lower limit above the soft upper one " + seen);
+    return;
+  }
+  const XMLElement* limit = joint.FirstChildElement("limit");
+  if (!limit || std::string_view(joint.Attribute("type")) == "continuous") return;
+  if (lower < limit->DoubleAttribute("lower") || upper > limit->DoubleAttribute("upper"))
+    report.warn(line_of(*safety), owner, "soft limits " + seen + " reach beyond those of <limit>");
 }
 
 void check_dynamics(XMLElement& joint, const std::string& owner, Report& report) {
@@ -126,16 +169,18 @@ void check_joint(XMLElement& joint, const std::string& owner, Report& report) {
   const std::string type = read_text(joint, "type", owner, report);
   if (type == "revolute" || type == "prismatic" || type == "continuous") {
     check_axis(joint, owner, report);
-    check_limit(joint, type != "continuous", owner, report);
+    check_limit(joint, type, owner, report);
     check_dynamics(joint, owner, report);
+    check_safety(joint, owner, report);
   } else if (type == "planar" || type == "floating") {
     if (type == "planar") check_axis(joint, owner, report);
-    check_limit(joint, false, owner, report);
+    check_limit(joint, type, owner, report);
     check_dynamics(joint, owner, report);
   } else if (!type.empty() && type != "fixed") {
-    report.error(
-        line_of(joint, "type"), owner,
-        "unknown joint type '" + type + "' (known: fixed revolute continuous prismatic planar floating)");
+    report.error(line_of(joint, "type"), owner,
+                 "unknown joint type '" + type +
+                     "' (known: fixed revolute continuous prismatic planar floating)" +
+                     did_you_mean(type, {"fixed", "revolute", "continuous", "prismatic", "planar", "floating"}));
   }
 }
 
@@ -167,6 +212,10 @@ Elements check_elements(XMLElement& robot, Report& report) {
           line_of(*e, "name"), owner,
           "a second one of this name, the first is in line " + std::to_string(line_of(*first->second)));
     }
+    if (name.find_first_of(" \t\r\n") == 0 ||
+        (!name.empty() && name.find_last_of(" \t\r\n") + 1 == name.size())) {
+      report.warn(line_of(*e, "name"), owner, "the name begins or ends with a blank, which is part of it");
+    }
     if (tag == "link") {
       check_inertial(*e, owner, report);
     } else {
@@ -180,6 +229,8 @@ Elements check_elements(XMLElement& robot, Report& report) {
 void check_tree(const Elements& elements, Report& report) {
   std::map<std::string, const XMLElement*> joint_above;  // by child link
   std::multimap<std::string, std::string> children;      // parent link -> child links
+  std::vector<std::string> links;
+  for (const auto& [name, link] : elements.links) links.push_back(name);
   for (const auto& [name, joint] : elements.joints) {
     const std::string owner = owner_of(*joint);
     bool exist = true;
@@ -187,7 +238,8 @@ void check_tree(const Elements& elements, Report& report) {
       if (elements.links.count(link_of(*joint, end))) continue;
       exist = false;
       report.error(line_of(*joint->FirstChildElement(end)), owner,
-                   std::string("its ") + end + " link '" + link_of(*joint, end) + "' does not exist");
+                   std::string("its ") + end + " link '" + link_of(*joint, end) + "' does not exist" +
+                       did_you_mean(link_of(*joint, end), links));
     }
     if (!exist) continue;
     const std::string parent = link_of(*joint, "parent"), child = link_of(*joint, "child");
@@ -200,7 +252,7 @@ void check_tree(const Elements& elements, Report& report) {
       report.error(line_of(*joint), owner,
                    "link '" + child + "' hangs on joint '" + first->second->Attribute("name") +
                        "' already (line " + std::to_string(line_of(*first->second)) +
-                       "): a tree is needed, no loops");
+                       "): each link has one joint above it, URDF knows no loops");
       continue;
     }
     children.emplace(parent, child);
@@ -216,7 +268,7 @@ void check_tree(const Elements& elements, Report& report) {
   for (size_t k = 1; k < roots.size(); ++k) {
     report.error(roots[k].first, "link '" + roots[k].second + "'",
                  "no joint leads to it: detached from the root '" + roots[0].second + "' (line " +
-                     std::to_string(roots[0].first) + ")");
+                     std::to_string(roots[0].first) + "): name it as child of a joint");
   }
   if (report.failed()) return;
 
@@ -244,7 +296,7 @@ void check_tree(const Elements& elements, Report& report) {
       if (up == at) break;
     }
     report.error(line_of(*joint_above.at(at)), owner_of(*joint_above.at(at)),
-                 "closes a loop of links (" + ring + "): a tree is needed");
+                 "closes a loop of links (" + ring + "): a tree is needed, take one joint of it out");
     return;
   }
 }

@@ -54,6 +54,13 @@ void Report::note(int line, std::string element, std::string message) {
   add(Severity::Note, line, std::move(element), std::move(message));
 }
 
+void Report::refuse_warnings() {
+  for (Diagnostic& d : list_) {
+    if (d.severity == Severity::Warning) d.severity = Severity::Error;
+    failed_ = failed_ || d.severity == Severity::Error;
+  }
+}
+
 std::vector<Diagnostic> Report::take() {
   std::stable_sort(list_.begin(), list_.end(), [](const Diagnostic& a, const Diagnostic& b) {
     return a.line != b.line ? a.line < b.line : a.severity > b.severity;

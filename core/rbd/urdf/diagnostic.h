@@ -47,6 +47,9 @@ class Report {
   void warn(int line, std::string element, std::string message);
   void note(int line, std::string element, std::string message);
 
+  // Turns every warning into an error.
+  void refuse_warnings();
+
   bool failed() const { return failed_; }
   const std::string& file() const { return file_; }
   std::vector<Diagnostic> take();  // sorted by line; errors first among equals

@@ -209,6 +209,7 @@ Loaded loadXML(const std::string& text, const Options& options, const std::strin
   } catch (const std::exception& e) {  // of the core: the checks above should have been first
     report.error(0, "", e.what());
   }
+  if (options.strict) report.refuse_warnings();
   if (report.failed()) out = Loaded();
   out.diagnostics = report.take();
   return out;

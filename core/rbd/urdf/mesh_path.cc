@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "rbd/urdf/shapes.h"
@@ -27,6 +28,16 @@ std::vector<fs::path> folders_of(const char* variable, const fs::path& suffix = 
 bool is_file(const std::string& path) {
   std::error_code none;
   return fs::is_regular_file(path, none);
+}
+
+// What is wrong with a file that is there: empty, or the note that Git LFS leaves in place of the real one.
+std::string problem_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  char begin[24] = {};
+  in.read(begin, sizeof begin);
+  if (in.gcount() == 0) return in.eof() ? " is empty" : " cannot be read";
+  const std::string_view text(begin, static_cast<size_t>(in.gcount()));
+  return text == "version https://git-lfs." ? " is only a Git LFS pointer: run git lfs pull there" : "";
 }
 
 }  // namespace
@@ -82,7 +93,10 @@ void find_meshes(std::vector<LinkShape>& shapes, const std::vector<std::string>&
       const std::vector<std::string> tried = mesh_candidates(uri, report.file(), package_dirs);
       const auto found = std::find_if(tried.begin(), tried.end(), is_file);
       if (found != tried.end()) {
-        entry->second = *found;
+        const std::string problem = problem_of(*found);
+        if (problem.empty()) entry->second = *found;
+        if (!problem.empty())
+          report.warn(item.line, "link '" + item.link + "'", "mesh '" + uri + "': " + *found + problem);
       } else {
         std::string places;
         for (const std::string& path : tried) places += (places.empty() ? "tried " : ", ") + path;

@@ -26,6 +26,7 @@ namespace rbd::urdf {
 struct Options {
   bool floating_base = false;  // a free-flyer joint named "root_joint" above the root link
   bool mimic = true;           // true: a joint with <mimic> follows its leader; false: it is a free joint
+  bool strict = false;         // true: warnings refuse a file, as errors do
   bool meshes = true;          // false: mesh files are not looked for, no warnings about them
   std::vector<std::string>
       package_dirs;  // where package://P/.. is looked for first (folders that hold P, or P)

@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "rbd/model/near_names.h"
+
 namespace rbd::urdf {
 namespace {
 
@@ -26,6 +28,12 @@ std::string_view next_word(std::string_view& text) {
   const std::string_view word = text.substr(0, end);
   text.remove_prefix(end);
   return word;
+}
+
+std::vector<std::string> words_of(std::string_view text) {
+  std::vector<std::string> out;
+  for (std::string_view word = next_word(text); !word.empty(); word = next_word(text)) out.emplace_back(word);
+  return out;
 }
 
 bool has_word(std::string_view words, std::string_view word) {
@@ -81,14 +89,15 @@ constexpr Grammar kGrammar[] = {
     {"mesh", "filename scale", "", "", ""},
     {"material", "name", "color", "", "texture"},
     {"color", "rgba", "", "", ""},
-    {"joint", "name type", "origin parent child axis limit dynamics mimic", "",
-     "safety_controller calibration"},
+    {"joint", "name type", "origin parent child axis limit dynamics mimic safety_controller", "",
+     "calibration"},
     {"parent", "link", "", "", ""},
     {"child", "link", "", "", ""},
     {"axis", "xyz", "", "", ""},
     {"limit", "lower upper effort velocity", "", "", ""},
     {"dynamics", "damping friction", "", "", ""},
     {"mimic", "joint multiplier offset", "", "", ""},
+    {"safety_controller", "soft_lower_limit soft_upper_limit k_position k_velocity", "", "", ""},
 };
 
 const Grammar* find_grammar(std::string_view element) {
@@ -105,16 +114,18 @@ struct PassedOver {
     int line;
     int count = 0;
     std::string owner;
+    std::string hint;
   };
   std::map<std::string, Kind> kinds;
 
-  void add(const std::string& what, Severity severity, int line, const std::string& owner) {
-    ++kinds.try_emplace(what, Kind{severity, line, 0, owner}).first->second.count;
+  void add(const std::string& what, Severity severity, int line, const std::string& owner,
+           const std::string& hint = "") {
+    ++kinds.try_emplace(what, Kind{severity, line, 0, owner, hint}).first->second.count;
   }
   void tell(Report& report) const {
     for (const auto& [what, kind] : kinds) {
       const std::string more = kind.count > 1 ? " (" + std::to_string(kind.count) + " times)" : "";
-      report.add(kind.severity, kind.line, kind.owner, what + " is not read" + more);
+      report.add(kind.severity, kind.line, kind.owner, what + " is not read" + more + kind.hint);
     }
   }
 };
@@ -126,7 +137,9 @@ void walk(const XMLElement& element, const Grammar& grammar, const std::string& 
     const std::string_view name = a->Name();
     if (has_word(grammar.attributes, name) || name.starts_with("xmlns")) continue;
     const Severity severity = name.find(':') == name.npos ? Severity::Warning : Severity::Note;
-    passed.add("attribute '" + std::string(name) + "' of " + tag, severity, a->GetLineNum(), owner);
+    passed.add(
+        "attribute '" + std::string(name) + "' of " + tag, severity, a->GetLineNum(), owner,
+        severity == Severity::Note ? "" : did_you_mean(std::string(name), words_of(grammar.attributes)));
   }
 
   std::set<std::string_view> seen;
@@ -152,12 +165,63 @@ void walk(const XMLElement& element, const Grammar& grammar, const std::string& 
       walk(*child, *find_grammar(name), named ? owner_of(*child) : owner, passed, xacro, report);
     } else if (grammar.element == "geometry") {
       report.error(child->GetLineNum(), owner,
-                   "unknown shape " + child_tag + " (known: " + std::string(grammar.once) + ")");
+                   "unknown shape " + child_tag + " (known: " + std::string(grammar.once) + ")" +
+                       did_you_mean(std::string(name), words_of(grammar.once)));
     } else {
       const bool known = has_word(grammar.unread, name) || name.find(':') != name.npos;
+      std::vector<std::string> read = words_of(grammar.once);
+      for (const std::string& word : words_of(grammar.many)) read.push_back(word);
       passed.add(child_tag + " in " + tag, known ? Severity::Note : Severity::Warning, child->GetLineNum(),
-                 owner);
+                 owner, known ? "" : did_you_mean(std::string(name), read));
     }
+  }
+}
+
+}  // namespace
+
+namespace {
+
+// Where the first bytes stand that are not UTF-8; npos if all are.
+size_t first_not_utf8(const std::string& text) {
+  for (size_t at = 0; at < text.size();) {
+    const unsigned char lead = static_cast<unsigned char>(text[at]);
+    const size_t length = lead < 0x80   ? 1
+                          : lead < 0xc2 ? 0
+                          : lead < 0xe0 ? 2
+                          : lead < 0xf0 ? 3
+                          : lead < 0xf5 ? 4
+                                        : 0;
+    if (length == 0 || at + length > text.size()) return at;
+    for (size_t k = 1; k < length; ++k) {
+      if ((static_cast<unsigned char>(text[at + k]) & 0xc0) != 0x80) return at;
+    }
+    at += length;
+  }
+  return std::string::npos;
+}
+
+// What tinyxml2 calls by a number.
+std::string in_words(tinyxml2::XMLError error) {
+  switch (error) {
+    case tinyxml2::XML_ERROR_PARSING_ELEMENT:
+      return "this element is unfinished";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+      return "an attribute is written name=\"value\", each only once";
+    case tinyxml2::XML_ERROR_PARSING_TEXT:
+      return "text outside of every element";
+    case tinyxml2::XML_ERROR_PARSING_CDATA:
+    case tinyxml2::XML_ERROR_PARSING_COMMENT:
+    case tinyxml2::XML_ERROR_PARSING_DECLARATION:
+    case tinyxml2::XML_ERROR_PARSING_UNKNOWN:
+      return "this comment, <!..> or <?..> has no end, or stands where it may not";
+    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+      return "this element is closed by another's tag";
+    case tinyxml2::XML_ERROR_PARSING:
+      return "this element is not closed";
+    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
+      return "elements are nested too deeply";
+    default:
+      return tinyxml2::XMLDocument::ErrorIDToName(error);
   }
 }
 
@@ -176,6 +240,9 @@ XMLElement* parse_robot(const std::string& text, tinyxml2::XMLDocument& document
   if (const size_t at = text.find('\0'); at != text.npos) {
     return refuse(line_at(at), "a zero byte: this is not XML in UTF-8");
   }
+  if (const size_t at = first_not_utf8(text); at != text.npos)
+    report.warn(line_at(at), "",
+                "bytes that are not UTF-8: save the file in that encoding, or names get lost");
   if (const size_t at = text.find("<!ENTITY"); at != text.npos) {
     return refuse(line_at(at), "entity declarations are refused (<!ENTITY)");
   }
@@ -183,7 +250,7 @@ XMLElement* parse_robot(const std::string& text, tinyxml2::XMLDocument& document
     // "Error=XML_ERROR_MISMATCHED_ELEMENT ErrorID=14 (0xe) Line number=3: XMLElement name=link"
     const std::string what = document.ErrorStr();
     const size_t detail = what.find(": ");
-    std::string message = std::string("not well-formed XML: ") + document.ErrorName();
+    std::string message = "not well-formed XML: " + in_words(document.ErrorID());
     if (detail != what.npos) message += " (" + what.substr(detail + 2) + ")";
     return refuse(document.ErrorLineNum(), message);
   }
@@ -260,6 +327,12 @@ bool read_number(XMLElement& element, const char* attribute, const std::string& 
 std::string read_text(const XMLElement& element, const char* attribute, const std::string& owner,
                       Report& report) {
   const char* text = element.Attribute(attribute);
+  if (text && (std::string_view(text).find("${") != std::string_view::npos ||
+               std::string_view(text).find("$(") != std::string_view::npos)) {
+    report.error(line_of(element, attribute), owner,
+                 std::string("'") + text + "' is xacro: expand the file with xacro first");
+    return {};
+  }
   if (text && !is_blank(text)) return text;
   report.error(
       line_of(element, attribute), owner,
@@ -270,6 +343,12 @@ std::string read_text(const XMLElement& element, const char* attribute, const st
 std::string owner_of(const XMLElement& element) {
   const char* name = element.Attribute("name");
   return name && *name ? element.Name() + (" '" + std::string(name)) + "'" : element.Name();
+}
+
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
+  std::string out;
+  for (const std::string& near : nearNames(name, known, 2)) out += (out.empty() ? "" : "' or '") + near;
+  return out.empty() ? out : "; did you mean '" + out + "'?";
 }
 
 std::string show(double value) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "rbd/urdf/diagnostic.h"
 
@@ -33,12 +34,15 @@ bool read_numbers(tinyxml2::XMLElement& element, const char* attribute, const st
 bool read_number(tinyxml2::XMLElement& element, const char* attribute, const std::string& owner, double& out,
                  Report& report, double bound = 1e9);
 
-// Text of a required, non-blank attribute; empty and a message if it is missing.
+// Text of a required, non-blank attribute; empty and a message if it is missing, or still xacro.
 std::string read_text(const tinyxml2::XMLElement& element, const char* attribute, const std::string& owner,
                       Report& report);
 
 // "link 'hand'" from <link name="hand">; "link" if it has no name.
 std::string owner_of(const tinyxml2::XMLElement& element);
+
+// "; did you mean 'a' or 'b'?" with those of `known` that are close to `name`; empty if none is.
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& known);
 
 // A number as a person would write it: 0.5, not 0.500000.
 std::string show(double value);

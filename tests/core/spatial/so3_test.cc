@@ -106,6 +106,16 @@ TEST(So3, RollPitchYaw) {
   EXPECT_LE((rpyToMatrix(matrixToRpy(R)) - R).cwiseAbs().maxCoeff(), 8 * kEps);
 }
 
+// The matrix must come back however close to the pole it stands: there roll and yaw alone are ill known.
+TEST(So3, RollPitchYawNearThePole) {
+  for (double gap = 1; gap > 1e-17; gap /= 3) {
+    for (const double pitch : {PI<double>() / 2 - gap, gap - PI<double>() / 2}) {
+      const Eigen::Matrix3d R = exp3({0, 0, 0.7}) * exp3({0, pitch, 0}) * exp3({-2.1, 0, 0});
+      EXPECT_LE((rpyToMatrix(matrixToRpy(R)) - R).cwiseAbs().maxCoeff(), 16 * kEps) << gap;
+    }
+  }
+}
+
 TEST(So3, TurnZToEveryAxis) {
   Random random(4);
   std::vector<Eigen::Vector3d> axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};

@@ -173,6 +173,18 @@ TEST_F(MeshLookup, OrderOfPlaces) {
   EXPECT_EQ(find(uri, {in("other"), in("given")}), given);
 }
 
+// A mesh that is there, but is not the mesh: the warning names the file and says what to do.
+TEST_F(MeshLookup, AMeshThatWasNotFetched) {
+  const std::string file = add("robots/arm/meshes/hand.dae");
+  std::ofstream(file) << "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n";
+  EXPECT_EQ(find("package://arm/meshes/hand.dae"), "");
+  EXPECT_NE(loaded_.diagnostics.at(0).message.find(file + " is only a Git LFS pointer: run git lfs pull"),
+            std::string::npos);
+  std::ofstream(file, std::ios::trunc).flush();
+  EXPECT_EQ(find("package://arm/meshes/hand.dae"), "");
+  EXPECT_NE(loaded_.diagnostics.at(0).message.find(file + " is empty"), std::string::npos);
+}
+
 TEST_F(MeshLookup, AMissingMeshNamesEveryPlace) {
   setenv("ROS_PACKAGE_PATH", in("ros").c_str(), 1);
   fs::create_directories(root_ / "robots/arm/m/folder.stl");  // a folder is no mesh
