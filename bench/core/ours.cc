@@ -76,9 +76,10 @@ void measure(const bench::Bench& bench, const bench::Robot& robot) {
   const auto &q = x.q, &v = x.v, &a = x.a, &tau = x.tau;
   check(bench, robot, m, d, x);
 
-  Eigen::VectorXd next(m.nq);
+  Eigen::VectorXd next(m.nq), solution(m.nv);
   bench::Bench::watch(&d);
   bench::Bench::watch(next.data());
+  bench::Bench::watch(solution.data());
   const auto row = [&](const char* algorithm, auto&& f) { bench.row(robot, algorithm, f); };
   row("fk", [&](std::size_t i) { rbd::forwardKinematics(m, d, q[i]); });
   row("fk_va", [&](std::size_t i) { rbd::forwardKinematics(m, d, q[i], v[i], a[i]); });
@@ -89,6 +90,12 @@ void measure(const bench::Bench& bench, const bench::Robot& robot) {
   row("crba", [&](std::size_t i) { rbd::crba(m, d, q[i]); });
   row("aba", [&](std::size_t i) { rbd::aba(m, d, q[i], v[i], tau[i]); });
   row("minv", [&](std::size_t i) { rbd::computeMinverse(m, d, q[i]); });
+  row("crba_chol_solve", [&](std::size_t i) {
+    rbd::crba(m, d, q[i]);
+    rbd::cholesky::decompose(m, d);
+    solution = tau[i];
+    rbd::cholesky::solve(m, d, solution);
+  });
   row("com", [&](std::size_t i) { rbd::centerOfMass(m, d, q[i]); });
   row("jcom", [&](std::size_t i) { rbd::jacobianCenterOfMass(m, d, q[i]); });
   row("hg", [&](std::size_t i) { rbd::computeCentroidalMomentum(m, d, q[i], v[i]); });
