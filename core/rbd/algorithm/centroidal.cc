@@ -1,10 +1,7 @@
 #include "rbd/algorithm/centroidal.h"
 
-#include <stdexcept>
-
-#include "rbd/algorithm/inner/joint_terms.h"
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/public_face.h"
+#include "rbd/algorithm/inner/motion_rates.h"
+#include "rbd/algorithm/inner/whole_body.h"
 
 namespace rbd {
 namespace {
@@ -13,75 +10,6 @@ using inner::Joints;
 using inner::Scratch;
 using Vec = inner::Vec3<double>;
 using Wrench = inner::Force<double>;
-using Twist = inner::Motion<double>;
-
-// Total mass and first moment about the centre, the universe's own left out.
-struct Sum {
-  double mass = 0;
-  Vec moment = Vec::zero();
-};
-
-Vec bodyCom(const Joints& joints, int i, const Scratch<double>& s) {
-  return s.p[i] + times(s.R[i], joints[i].com);
-}
-
-Sum firstMoment(const Model& model, const Scratch<double>& s) {
-  Sum sum;
-  for (int i = 1; i < model.tree().size(); ++i) {
-    const double m = model.tree().joints[i].mass;
-    sum.mass += m;
-    sum.moment = sum.moment + bodyCom(model.tree().joints, i, s) * m;
-  }
-  return sum;
-}
-
-// The centre of mass from the centre; fills data.mass and data.com.
-Vec storeCom(const char* function, const Model& model, Data& data) {
-  const Sum sum = firstMoment(model, data.work().d);
-  if (!(sum.mass > 0)) {
-    throw std::runtime_error(std::string(function) + ": model '" + model.name +
-                             "' has no moving mass, so no centre of mass");
-  }
-  const Vec com = sum.moment * (1 / sum.mass);
-  data.mass[0] = sum.mass;
-  data.com[0] = inner::toEigen(com + data.work().d.centre);
-  return com;
-}
-
-void worldPosesOf(const Model& model, Data& data, const ConstVectorRef& q) {
-  const double* const tree_q = inner::treeQ(model, data.work(), q);
-  inner::angles(model, tree_q, data.work().d);
-  inner::worldPoses(model.tree().joints, tree_q, data.work().d);
-}
-
-// World velocities, and accelerations without gravity where qdd is given; then the momentum of all bodies and
-// its rate, about the centre. Needs worldPoses.
-struct Momentum {
-  Wrench h = Wrench::zero(), dh = Wrench::zero();
-};
-
-Momentum momentum(const Model& model, Data& data, const ConstVectorRef& v, const ConstVectorRef* a) {
-  inner::Workspace& work = data.work();
-  const double* const qd = inner::treeV(model, work.v, v);
-  const double* const qdd = a ? inner::treeV(model, work.a, *a) : nullptr;
-  Scratch<double>& s = work.d;
-  const Joints& joints = model.tree().joints;
-  Momentum sum;
-  s.v[0] = s.a[0] = Twist::zero();
-  for (int i = 1; i < model.tree().size(); ++i) {
-    const PackedJoint& joint = joints[i];
-    worldColumns(joint, i, s);
-    const Twist vJ = jointMotion(joint, qd, s);
-    s.v[i] = s.v[joint.parent] + vJ;
-    const inner::RigidInertia<double> I = worldInertia(joint, s.R[i], s.p[i]);
-    const Wrench h = I * s.v[i];
-    sum.h = sum.h + h;
-    if (!qdd) continue;
-    s.a[i] = s.a[joint.parent] + cross(s.v[joint.parent], vJ) + jointMotion(joint, qdd, s);
-    sum.dh = sum.dh + I * s.a[i] + crossForce(s.v[i], h);
-  }
-  return sum;
-}
 
 // The same wrench about the point c.
 Force about(const Vec& c, const Wrench& x) {
@@ -93,64 +21,32 @@ void requireVelocity(const char* function, const Model& model, const Data& data)
   if (data.kinematics_order < 1) inner::failOrder(function, "forwardKinematics(model, data, q, v)");
 }
 
+void storeColumn(const Wrench& x, double* out) {
+  x.n.storeU(out);
+  x.f.storeU(out + 3);
+}
+
+// dI/dt = v x* I - I v x, of a body that moves with v: an inertia without mass.
+inner::RigidInertia<double> inertiaRate(const inner::RigidInertia<double>& I,
+                                        const inner::Motion<double>& v) {
+  const double hu = dot(I.h, v.v);
+  const auto column = [&](const Vec& Ik, int k, const Vec& e) {
+    return cross(v.w, Ik) - I.I * cross(v.w, e) - I.h * v.v[k] - v.v * I.h[k] + e * (2 * hu);
+  };
+  return {{column(I.I.c0, 0, Vec::make(1, 0, 0)), column(I.I.c1, 1, Vec::make(0, 1, 0)),
+           column(I.I.c2, 2, Vec::make(0, 0, 1))},
+          v.v * I.m + cross(v.w, I.h),
+          0};
+}
+
 }  // namespace
-
-const Eigen::Vector3d& centerOfMass(const Model& model, Data& data, const ConstVectorRef& q) {
-  inner::checkInputs("centerOfMass", model, data, q);
-  worldPosesOf(model, data, q);
-  storeCom("centerOfMass", model, data);
-  return data.com[0];
-}
-
-const Eigen::Vector3d& centerOfMass(const Model& model, Data& data, const ConstVectorRef& q,
-                                    const ConstVectorRef& v) {
-  inner::checkInputs("centerOfMass", model, data, q, "v", v);
-  worldPosesOf(model, data, q);
-  storeCom("centerOfMass", model, data);
-  data.vcom[0] = inner::toEigen(momentum(model, data, v, nullptr).h.f) / data.mass[0];
-  return data.com[0];
-}
-
-void centerOfMass(const Model& model, Data& data, const ConstVectorRef& q, Eigen::Vector3d& com) {
-  com = centerOfMass(model, data, q);
-}
-
-const PaddedMatrix& jacobianCenterOfMass(const Model& model, Data& data, const ConstVectorRef& q) {
-  inner::checkInputs("jacobianCenterOfMass", model, data, q);
-  worldPosesOf(model, data, q);
-  storeCom("jacobianCenterOfMass", model, data);
-  Scratch<double>& s = data.work().d;
-  const Joints& joints = model.tree().joints;
-  double* const out = inner::treeColumns(model, data.work().Jcom, data.Jcom);
-  // I[i].m and I[i].h: mass and first moment of everything that joint i carries
-  for (int i = 0; i < model.tree().size(); ++i) {
-    s.I[i].m = joints[i].mass;
-    s.I[i].h = bodyCom(joints, i, s) * joints[i].mass;
-  }
-  for (int i = model.tree().size() - 1; i > 0; --i) {
-    worldColumns(joints[i], i, s);
-    for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) {
-      const Vec column = s.column[k].v * s.I[i].m + cross(s.column[k].w, s.I[i].h);
-      (column * (1 / data.mass[0])).storeU(out + 8 * k);
-    }
-    s.I[joints[i].parent].m += s.I[i].m;
-    s.I[joints[i].parent].h = s.I[joints[i].parent].h + s.I[i].h;
-  }
-  inner::gatherColumns(model, data.work().Jcom, data.Jcom);
-  return data.Jcom;
-}
-
-void jacobianCenterOfMass(const Model& model, Data& data, const ConstVectorRef& q, MatrixRef J) {
-  inner::checkOut("jacobianCenterOfMass", "J", J, 3, model.nv);
-  J = jacobianCenterOfMass(model, data, q);
-}
 
 const Force& computeCentroidalMomentum(const Model& model, Data& data, const ConstVectorRef& q,
                                        const ConstVectorRef& v) {
   inner::checkInputs("computeCentroidalMomentum", model, data, q, "v", v);
-  worldPosesOf(model, data, q);
-  const Vec com = storeCom("computeCentroidalMomentum", model, data);
-  return data.hg = about(com, momentum(model, data, v, nullptr).h);
+  inner::worldPosesOf(model, data, q);
+  const Vec com = inner::storeCom("computeCentroidalMomentum", model, data);
+  return data.hg = about(com, inner::momentum(model, data, v, nullptr).h);
 }
 
 const Force& computeCentroidalMomentum(const Model& model, Data& data) {
@@ -167,9 +63,9 @@ const Force& computeCentroidalMomentumTimeVariation(const Model& model, Data& da
                                                     const ConstVectorRef& v, const ConstVectorRef& a) {
   const char* const name = "computeCentroidalMomentumTimeVariation";
   inner::checkInputs(name, model, data, q, "v", v, "a", a);
-  worldPosesOf(model, data, q);
-  const Vec com = storeCom(name, model, data);
-  const Momentum sum = momentum(model, data, v, &a);
+  inner::worldPosesOf(model, data, q);
+  const Vec com = inner::storeCom(name, model, data);
+  const inner::Momentum sum = inner::momentum(model, data, v, &a);
   data.hg = about(com, sum.h);
   return data.dhg = about(com, sum.dh);
 }
@@ -185,26 +81,71 @@ void computeCentroidalMomentumTimeVariation(const Model& model, Data& data, cons
   dhg = computeCentroidalMomentumTimeVariation(model, data, q, v, a);
 }
 
-double computeKineticEnergy(const Model& model, Data& data, const ConstVectorRef& q,
-                            const ConstVectorRef& v) {
-  inner::checkInputs("computeKineticEnergy", model, data, q, "v", v);
-  worldPosesOf(model, data, q);
+// Composite inertias as in crba: column k of Ag is the momentum of everything behind dof k when it moves with
+// rate 1.
+const PaddedMatrix& computeCentroidalMap(const Model& model, Data& data, const ConstVectorRef& q) {
+  inner::checkInputs("computeCentroidalMap", model, data, q);
+  inner::worldPosesOf(model, data, q);
+  const Vec com = inner::storeCom("computeCentroidalMap", model, data);
   Scratch<double>& s = data.work().d;
-  momentum(model, data, v, nullptr);
-  double twice = 0;
-  for (int i = 1; i < model.tree().size(); ++i) {
-    twice += dot(s.v[i], worldInertia(model.tree().joints[i], s.R[i], s.p[i]) * s.v[i]);
+  const Joints& joints = model.tree().joints;
+  double* const Ag = inner::treeColumns(model, data.work().Ag, data.Ag);
+  worldColumns(joints, s);
+  worldInertias(joints, s);
+  s.I[0] = inner::RigidInertia<double>{};
+  for (int i = model.tree().size() - 1; i > 0; --i) {
+    for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) {
+      const Wrench h = s.I[i] * s.column[k];
+      storeColumn({h.n - cross(com, h.f), h.f}, Ag + 8 * k);
+    }
+    s.I[joints[i].parent] = s.I[joints[i].parent] + s.I[i];
   }
-  for (int k = 0; k < model.nv; ++k) twice += inner::rotorOf(model, k) * v[k] * v[k];
-  return data.kinetic_energy = twice / 2;
+  inner::gatherColumns(model, data.work().Ag, data.Ag);
+  return data.Ag;
 }
 
-double computePotentialEnergy(const Model& model, Data& data, const ConstVectorRef& q) {
-  inner::checkInputs("computePotentialEnergy", model, data, q);
-  worldPosesOf(model, data, q);
-  const Scratch<double>& s = data.work().d;
-  const Sum sum = firstMoment(model, s);
-  return data.potential_energy = -dot(inner::gravity<double>(model), sum.moment + s.centre * sum.mass);
+void computeCentroidalMap(const Model& model, Data& data, const ConstVectorRef& q, MatrixRef Ag) {
+  inner::checkOut("computeCentroidalMap", "Ag", Ag, 6, model.nv);
+  Ag = computeCentroidalMap(model, data, q);
+}
+
+const PaddedMatrix& ccrba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v) {
+  inner::checkInputs("ccrba", model, data, q, "v", v);
+  computeCentroidalMap(model, data, q);
+  Vector6d h = Vector6d::Zero();
+  for (int k = 0; k < model.nv; ++k) h += v[k] * data.Ag.col(k);
+  data.hg = Force(h);
+  return data.Ag;
+}
+
+const PaddedMatrix& computeCentroidalMapTimeVariation(const Model& model, Data& data, const ConstVectorRef& q,
+                                                      const ConstVectorRef& v) {
+  ccrba(model, data, q, v);
+  inner::Workspace& work = data.work();
+  Scratch<double>& s = work.d;
+  const Joints& joints = model.tree().joints;
+  const Vec com = inner::fromEigen(data.com[0]) - s.centre,
+            vcom = inner::fromEigen(data.hg.linear() / data.mass[0]);
+  data.vcom[0] = inner::toEigen(vcom);
+  double* const dAg = inner::treeColumns(model, work.Ag, data.dAg);
+  inner::motionRates(joints, inner::treeV(model, work.v, v), nullptr, inner::Motion<double>::zero(), s);
+  worldInertias(joints, s);
+  for (int i = 1; i < model.tree().size(); ++i) s.dI[i] = inertiaRate(s.I[i], s.v[i]);
+  s.I[0] = s.dI[0] = inner::RigidInertia<double>{};
+  for (int i = model.tree().size() - 1; i > 0; --i) {
+    for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) {
+      const Wrench h = s.I[i] * s.column[k], dh = s.dI[i] * s.column[k] + s.I[i] * s.rate[k];
+      storeColumn({dh.n - cross(vcom, h.f) - cross(com, dh.f), dh.f}, dAg + 8 * k);
+    }
+    s.I[joints[i].parent] = s.I[joints[i].parent] + s.I[i];
+    s.dI[joints[i].parent] = s.dI[joints[i].parent] + s.dI[i];
+  }
+  inner::gatherColumns(model, work.Ag, data.dAg);
+  return data.dAg;
+}
+
+const PaddedMatrix& dccrba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v) {
+  return computeCentroidalMapTimeVariation(model, data, q, v);
 }
 
 }  // namespace rbd

@@ -26,4 +26,19 @@ Matrix6Xd computeFrameJacobian(const Model& model, Data& data, const ConstVector
 void computeFrameJacobian(const Model& model, Data& data, const ConstVectorRef& q, FrameIndex frame,
                           ReferenceFrame reference, MatrixRef J);
 
+// The rate of data.J while the robot moves with v: data.dJ, WORLD. Also fills data.J, data.oMi and data.v.
+const PaddedMatrix& computeJointJacobiansTimeVariation(const Model& model, Data& data,
+                                                       const ConstVectorRef& q, const ConstVectorRef& v);
+
+// The rates of the Jacobians above: dJ v + J a is the rate of J v. For LOCAL that of its numbers in the
+// moving axes, for LOCAL_WORLD_ALIGNED the classical acceleration. Need computeJointJacobiansTimeVariation.
+Matrix6Xd getJointJacobianTimeVariation(const Model& model, const Data& data, JointIndex joint,
+                                        ReferenceFrame reference);
+void getJointJacobianTimeVariation(const Model& model, const Data& data, JointIndex joint,
+                                   ReferenceFrame reference, MatrixRef dJ);
+Matrix6Xd getFrameJacobianTimeVariation(const Model& model, const Data& data, FrameIndex frame,
+                                        ReferenceFrame reference);
+void getFrameJacobianTimeVariation(const Model& model, const Data& data, FrameIndex frame,
+                                   ReferenceFrame reference, MatrixRef dJ);
+
 }  // namespace rbd

@@ -44,6 +44,10 @@ Motion inReference(const SE3& pose, const Motion& local, ReferenceFrame referenc
   return {pose.rotation() * local.angular(), pose.rotation() * local.linear()};
 }
 
+Motion classical(const Motion& a, const Motion& v) {
+  return {a.angular(), a.linear() + v.angular().cross(v.linear())};
+}
+
 }  // namespace
 
 void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q) {
@@ -112,6 +116,38 @@ Motion getVelocity(const Model& model, const Data& data, JointIndex joint, Refer
 void getVelocity(const Model& model, const Data& data, JointIndex joint, ReferenceFrame reference,
                  Motion& out) {
   out = getVelocity(model, data, joint, reference);
+}
+
+Motion getAcceleration(const Model& model, const Data& data, JointIndex joint, ReferenceFrame reference) {
+  inner::checkData("getAcceleration", model, data);
+  inner::checkJoint("getAcceleration", model, joint);
+  if (data.kinematics_order < 2)
+    inner::failOrder("getAcceleration", "forwardKinematics(model, data, q, v, a)");
+  return inReference(data.oMi[joint], data.a[joint], reference);
+}
+
+Motion getFrameAcceleration(const Model& model, const Data& data, FrameIndex frame,
+                            ReferenceFrame reference) {
+  inner::checkData("getFrameAcceleration", model, data);
+  inner::checkFrame("getFrameAcceleration", model, frame);
+  if (data.kinematics_order < 2) {
+    inner::failOrder("getFrameAcceleration", "forwardKinematics(model, data, q, v, a)");
+  }
+  const Frame& f = model.frames[frame];
+  return inReference(data.oMi[f.parentJoint] * f.placement, f.placement.actInv(data.a[f.parentJoint]),
+                     reference);
+}
+
+Motion getClassicalAcceleration(const Model& model, const Data& data, JointIndex joint,
+                                ReferenceFrame reference) {
+  return classical(getAcceleration(model, data, joint, reference),
+                   getVelocity(model, data, joint, reference));
+}
+
+Motion getFrameClassicalAcceleration(const Model& model, const Data& data, FrameIndex frame,
+                                     ReferenceFrame reference) {
+  return classical(getFrameAcceleration(model, data, frame, reference),
+                   getFrameVelocity(model, data, frame, reference));
 }
 
 }  // namespace rbd

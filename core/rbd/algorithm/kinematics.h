@@ -36,4 +36,17 @@ Motion getVelocity(const Model& model, const Data& data, JointIndex joint, Refer
 void getVelocity(const Model& model, const Data& data, JointIndex joint, ReferenceFrame reference,
                  Motion& out);
 
+// Spatial acceleration of a frame or a joint, gravity not included: the rate of its spatial velocity as seen
+// in a frame at rest (LOCAL: written in the moving axes). Needs forwardKinematics with v and a.
+Motion getFrameAcceleration(const Model& model, const Data& data, FrameIndex frame, ReferenceFrame reference);
+Motion getAcceleration(const Model& model, const Data& data, JointIndex joint, ReferenceFrame reference);
+
+// Classical acceleration: linear() is the acceleration of the point itself, spatial + w x v. What an
+// accelerometer at the frame measures, less gravity; in LOCAL_WORLD_ALIGNED the second derivative of the
+// frame's position.
+Motion getFrameClassicalAcceleration(const Model& model, const Data& data, FrameIndex frame,
+                                     ReferenceFrame reference);
+Motion getClassicalAcceleration(const Model& model, const Data& data, JointIndex joint,
+                                ReferenceFrame reference);
+
 }  // namespace rbd

@@ -15,6 +15,7 @@ Scratch<S>::Scratch(const Model& model) {
   p.assign(bodies, Vec3<S>::zero());
   column.assign(nv, Motion<S>::zero());
   I.resize(bodies);
+  dI.resize(bodies);
   v.assign(bodies, Motion<S>::zero());
   a.assign(bodies, Motion<S>::zero());
   f.assign(bodies, Force<S>::zero());
@@ -64,6 +65,9 @@ Workspace::Workspace(const Model& model) : topology(model.topology()), d(model) 
   stride = (tree.nv + 7) / 8 * 8;
   if (!depthFirst) W.assign(nv * static_cast<std::size_t>(stride), 0.0);
 
+  for (std::vector<Motion<double>>* x : {&kept.column, &kept.rate, &kept.rest, &kept.rest2}) x->resize(nv);
+  for (std::vector<Motion<double>>* x : {&kept.v, &kept.a}) x->resize(tree.joints.size());
+  inside.resize(tree.joints.size());
   eliminationParent = dofParent;
   rotor.assign(static_cast<std::size_t>(model.nv), 0.0);
   effort.setZero(model.nv);

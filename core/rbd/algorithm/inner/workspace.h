@@ -27,6 +27,7 @@ struct Scratch {
   Vec3<S> centre = Vec3<S>::zero();   // in the world (m)                             worldPoses
   std::vector<Motion<S>> column;      // nv, motion of one dof, world axes            worldColumns
   std::vector<RigidInertia<S>> I;     // bodies, world axes                           worldInertias
+  std::vector<RigidInertia<S>> dI;           // bodies, its rate             computeCentroidalMapTimeVariation
   std::vector<Motion<S>> v, a;        // bodies, local or world as the algorithm says
   std::vector<Force<S>> f;            // bodies, the same
   std::vector<CoriolisInertia<S>> B;  // bodies, world axes                           coriolisTerms
@@ -37,6 +38,13 @@ struct Scratch {
   std::vector<S> inverseD, u;             // nv
   std::vector<S> largestD;                // bodies, over all dofs at and beyond a joint
   std::vector<S> F, P;  // 6 x stride and 6 x stride per depth: one row per force or motion coordinate
+};
+
+// What computeForwardKinematicsDerivatives leaves for its getters; names as in Scratch.
+struct KeptRates {
+  std::vector<Motion<double>> column, rate, rest, rest2, v, a;
+  Vec3<double> centre = Vec3<double>::zero();
+  bool there = false;
 };
 
 struct Workspace {
@@ -52,6 +60,8 @@ struct Workspace {
   int stride = 0;               // nv rounded up to 8
   std::vector<double> W;        // nv x stride, Minv in depth-first order where that is not the model's
   Scratch<double> d;
+  KeptRates kept;
+  std::vector<bool> inside;  // bodies, marks
 
   // of the user's dofs
   std::vector<int> eliminationParent;  // nv: which entries of M's factors can differ from zero (cholesky.h)
