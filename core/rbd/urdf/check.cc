@@ -105,8 +105,7 @@ void check_limit(XMLElement& joint, std::string_view type, const std::string& ow
   const std::string seen = "(lower " + show(lower) + ", upper " + show(upper) + ")";
   if (!bounded) {
     if (lower != 0 || upper != 0)
-      report.note(line_of(*limit), owner,
-                  std::string(type) + ": position limits are not used " + seen);
+      report.note(line_of(*limit), owner, std::string(type) + ": position limits are not used " + seen);
   } else if (lower > upper) {
     report.error(line_of(*limit), owner, "lower limit above the upper one " + seen + ": exchange them");
   } else if (lower == upper) {
@@ -177,10 +176,10 @@ void check_joint(XMLElement& joint, const std::string& owner, Report& report) {
     check_limit(joint, type, owner, report);
     check_dynamics(joint, owner, report);
   } else if (!type.empty() && type != "fixed") {
-    report.error(line_of(joint, "type"), owner,
-                 "unknown joint type '" + type +
-                     "' (known: fixed revolute continuous prismatic planar floating)" +
-                     did_you_mean(type, {"fixed", "revolute", "continuous", "prismatic", "planar", "floating"}));
+    report.error(
+        line_of(joint, "type"), owner,
+        "unknown joint type '" + type + "' (known: fixed revolute continuous prismatic planar floating)" +
+            did_you_mean(type, {"fixed", "revolute", "continuous", "prismatic", "planar", "floating"}));
   }
 }
 

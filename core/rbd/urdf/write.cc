@@ -71,6 +71,14 @@ const char* type_of(JointKind kind) {
   }
 }
 
+// The one value of all axes of a joint; `none` if it has no axes of its own.
+double one_of(const Eigen::VectorXd& values, double none, const std::string& who, const char* what) {
+  if (values.size() == 0) return none;
+  if ((values.array() != values[0]).any())
+    refuse(who, std::string("URDF has one ") + what + " for all its axes");
+  return values[0];
+}
+
 class Writer {
  public:
   explicit Writer(const Model& model) : model_(model), link_(static_cast<size_t>(model.nframes)) {
@@ -224,32 +232,28 @@ class Writer {
       refuse(who, "URDF has one limit of effort and of velocity for both directions");
 
     const double inf = std::numeric_limits<double>::infinity();
-    double lower = -inf, upper = inf, effort = inf, velocity = inf, damping = 0, friction = 0;
+    double lower = -inf, upper = inf;
     if (single && nv == 1) {
       lower = model_.lowerPositionLimit[q];
       upper = model_.upperPositionLimit[q];
-      effort = model_.upperEffortLimit[v];
-      velocity = model_.upperVelocityLimit[v];
-      damping = model_.damping[v];
-      friction = model_.friction[v];
-    } else if (!single) {
-      const bool bounded = (model_.lowerPositionLimit.segment(q, nq).array() > -inf).any() ||
-                           (model_.upperPositionLimit.segment(q, nq).array() < inf).any() ||
-                           (model_.upperVelocityLimit.segment(v, nv).array() < inf).any() ||
-                           (model_.upperEffortLimit.segment(v, nv).array() < inf).any();
-      const bool rubs = !model_.damping.segment(v, nv).isZero(0) || !model_.friction.segment(v, nv).isZero(0);
-      if (bounded || rubs) refuse(who, "URDF has no limits and no friction of a joint with several axes");
+    } else if (!single && ((model_.lowerPositionLimit.segment(q, nq).array() > -inf).any() ||
+                           (model_.upperPositionLimit.segment(q, nq).array() < inf).any())) {
+      refuse(who, "URDF has no position limits of a joint with several axes");
     }
+    const double effort = one_of(model_.upperEffortLimit.segment(v, nv), inf, who, "effort limit");
+    const double velocity = one_of(model_.upperVelocityLimit.segment(v, nv), inf, who, "velocity limit");
+    const double damping = one_of(model_.damping.segment(v, nv), 0, who, "damping");
+    const double friction = one_of(model_.friction.segment(v, nv), 0, who, "friction");
 
     // a continuous joint that was given limits later is a revolute one
     const bool endless = lower == -inf && upper == inf;
     const char* type = kind == JointKind::Continuous && !endless ? "revolute" : type_of(kind);
     open_joint(model_.names[j], type, home_[at(model_.parents[j])], home_[at(j)], model_.jointPlacements[j]);
     if (kind != JointKind::FreeFlyer) text_ += "    <axis" + attribute("xyz", joint.axis()) + "/>\n";
-    if (single && (kind != JointKind::Continuous || !endless || effort < inf || velocity < inf)) {
+    const bool bounded = single && (kind != JointKind::Continuous || !endless);
+    if (bounded || effort < inf || velocity < inf) {
       text_ += "    <limit";
-      if (kind != JointKind::Continuous || !endless)
-        text_ += attribute("lower", lower) + attribute("upper", upper);
+      if (bounded) text_ += attribute("lower", lower) + attribute("upper", upper);
       text_ += attribute("effort", effort) + attribute("velocity", velocity) + "/>\n";
     }
     if (damping != 0 || friction != 0)

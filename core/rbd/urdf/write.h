@@ -21,7 +21,8 @@ namespace rbd::urdf {
 //     goes to the link at the joint.
 //
 // Throws std::invalid_argument, with the name, for what URDF cannot say: helical, universal, spherical and
-// translation joints; limits that differ in both directions, or on planar and floating joints; armature and
+// translation joints; limits that differ in both directions or between axes, position limits
+// of planar and floating joints; armature and
 // rotors; gravity other than (0, 0, -9.81); two frames that would be links, or joints, of one name. And for
 // whatever load() would refuse, with its message: the text is read back before it is returned.
 std::string writeModel(const Model& model);

@@ -256,6 +256,11 @@ TEST(UrdfWrite, WhatUrdfCannotSayIsRefused) {
   model = with(JointModelPlanar());
   model.upperPositionLimit[0] = 1;
   EXPECT_NE(refusal(model).find("several axes"), std::string::npos);
+  model = with(JointModelPlanar());
+  model.damping[1] = 1;
+  EXPECT_NE(refusal(model).find("one damping for all"), std::string::npos);
+  model.damping.setOnes();
+  EXPECT_EQ(refusal(model), "written");
   model = with(JointModelRX());
   model.gravity.linear().setZero();
   EXPECT_NE(refusal(model).find("gravity"), std::string::npos);
