@@ -30,13 +30,22 @@ Eigen::Quaterniond randomRotation(std::mt19937_64& engine) {
   return {t * std::cos(b), s * std::sin(a), s * std::cos(a), t * std::sin(b)};
 }
 
-// f(space, first entry in q, first entry in v) for every joint that has numbers of its own.
+// f(x) for every entry x of difference(q0, q1).
 template <class F>
-void forEachSpace(const Model& model, F&& f) {
-  for (const JointModel& joint : model.joints) {
-    if (joint.nv() == 0) continue;
-    inner::onSpace(joint, [&](const auto& space) { f(space, joint.idx_q(), joint.idx_v()); });
-  }
+void forEachDifference(const char* function, const Model& model, const ConstVectorRef& q0,
+                       const ConstVectorRef& q1, F&& f) {
+  checkConfiguration(function, "q0", model, q0);
+  checkConfiguration(function, "q1", model, q1);
+  inner::forEachBlock(
+      model,
+      [&](int iq, int, int n) {
+        for (int k = iq; k < iq + n; ++k) f(q1[k] - q0[k]);
+      },
+      [&](const auto& space, int iq, int) {
+        double way[6] = {0, 0, 0, 0, 0, 0};
+        space.difference(q0.data() + iq, q1.data() + iq, way);
+        for (const double x : way) f(x);
+      });
 }
 
 }  // namespace
@@ -44,10 +53,9 @@ void forEachSpace(const Model& model, F&& f) {
 void neutral(const Model& model, VectorRef q) {
   inner::checkOut("neutral", "q", model, q, model.nq, "nq");
   q.setZero();
-  for (const JointModel& joint : model.joints) {
-    const inner::UnitPart unit = inner::unitPart(joint);
-    if (unit.size == 4) q[unit.at + 3] = 1;
-    if (unit.size == 2) q[unit.at] = 1;
+  for (const ConfigurationBlock& block : model.tree().blocks) {
+    if (block.unit_size == 4) q[block.unit_at + 3] = 1;
+    if (block.unit_size == 2) q[block.unit_at] = 1;
   }
 }
 
@@ -66,16 +74,16 @@ void randomConfiguration(const Model& model, std::mt19937_64& engine, const Cons
   if (upper.size() != model.nq)
     inner::failVector(name, "upper", nullptr, upper.size(), model.nq, "nq", model);
   for (const JointModel& joint : model.joints) {
-    const inner::UnitPart unit = inner::unitPart(joint);
+    const int at = joint.idx_q(), nq = joint.nq();
+    if (nq == 0) continue;
+    const int unit = nq == joint.nv() ? 0 : joint.manifold() == Manifold::PlanarPose ? 2 : 4;
     const double fallback = joint.manifold() == Manifold::Angles ? PI<double>() : 1;
-    for (int k = joint.idx_q(); k < joint.idx_q() + joint.nq() - unit.size; ++k) {
-      q[k] = between(engine, lower[k], upper[k], fallback);
-    }
-    if (unit.size == 4) q.segment<4>(unit.at) = randomRotation(engine).coeffs();
-    if (unit.size == 2) {
+    for (int k = at; k < at + nq - unit; ++k) q[k] = between(engine, lower[k], upper[k], fallback);
+    if (unit == 4) q.segment<4>(at + nq - 4) = randomRotation(engine).coeffs();
+    if (unit == 2) {
       const double angle = between(engine, -PI<double>(), PI<double>(), 0);
-      q[unit.at] = std::cos(angle);
-      q[unit.at + 1] = std::sin(angle);
+      q[at + nq - 2] = std::cos(angle);
+      q[at + nq - 1] = std::sin(angle);
     }
   }
 }
@@ -111,9 +119,14 @@ void integrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef
   checkConfiguration("integrate", "q", model, q);
   inner::checkV("integrate", "v", model, v);
   inner::checkOut("integrate", "out", model, out, model.nq, "nq");
-  forEachSpace(model, [&](const auto& space, int iq, int iv) {
-    space.integrate(q.data() + iq, v.data() + iv, out.data() + iq);
-  });
+  inner::forEachBlock(
+      model,
+      [&](int iq, int iv, int n) {
+        for (int k = 0; k < n; ++k) out[iq + k] = q[iq + k] + v[iv + k];
+      },
+      [&](const auto& space, int iq, int iv) {
+        space.integrate(q.data() + iq, v.data() + iv, out.data() + iq);
+      });
 }
 
 Eigen::VectorXd integrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef& v) {
@@ -126,9 +139,14 @@ void difference(const Model& model, const ConstVectorRef& q0, const ConstVectorR
   checkConfiguration("difference", "q0", model, q0);
   checkConfiguration("difference", "q1", model, q1);
   inner::checkOut("difference", "out", model, out, model.nv, "nv");
-  forEachSpace(model, [&](const auto& space, int iq, int iv) {
-    space.difference(q0.data() + iq, q1.data() + iq, out.data() + iv);
-  });
+  inner::forEachBlock(
+      model,
+      [&](int iq, int iv, int n) {
+        for (int k = 0; k < n; ++k) out[iv + k] = q1[iq + k] - q0[iq + k];
+      },
+      [&](const auto& space, int iq, int iv) {
+        space.difference(q0.data() + iq, q1.data() + iq, out.data() + iv);
+      });
 }
 
 Eigen::VectorXd difference(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1) {
@@ -142,12 +160,17 @@ void interpolate(const Model& model, const ConstVectorRef& q0, const ConstVector
   checkConfiguration("interpolate", "q0", model, q0);
   checkConfiguration("interpolate", "q1", model, q1);
   inner::checkOut("interpolate", "out", model, out, model.nq, "nq");
-  forEachSpace(model, [&](const auto& space, int iq, int) {
-    double way[6];
-    space.difference(q0.data() + iq, q1.data() + iq, way);
-    for (double& x : way) x *= s;
-    space.integrate(q0.data() + iq, way, out.data() + iq);
-  });
+  inner::forEachBlock(
+      model,
+      [&](int iq, int, int n) {
+        for (int k = iq; k < iq + n; ++k) out[k] = q0[k] + s * (q1[k] - q0[k]);
+      },
+      [&](const auto& space, int iq, int) {
+        double way[6] = {0, 0, 0, 0, 0, 0};
+        space.difference(q0.data() + iq, q1.data() + iq, way);
+        for (double& x : way) x *= s;
+        space.integrate(q0.data() + iq, way, out.data() + iq);
+      });
 }
 
 Eigen::VectorXd interpolate(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1,
@@ -158,14 +181,8 @@ Eigen::VectorXd interpolate(const Model& model, const ConstVectorRef& q0, const 
 }
 
 double squaredDistance(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1) {
-  checkConfiguration("distance", "q0", model, q0);
-  checkConfiguration("distance", "q1", model, q1);
   double sum = 0;
-  forEachSpace(model, [&](const auto& space, int iq, int) {
-    double way[6] = {0, 0, 0, 0, 0, 0};
-    space.difference(q0.data() + iq, q1.data() + iq, way);
-    for (const double x : way) sum += x * x;
-  });
+  forEachDifference("distance", model, q0, q1, [&](double x) { sum += x * x; });
   return sum;
 }
 
@@ -174,30 +191,24 @@ double distance(const Model& model, const ConstVectorRef& q0, const ConstVectorR
 }
 
 bool isSameConfiguration(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1, double tol) {
-  checkConfiguration("isSameConfiguration", "q0", model, q0);
-  checkConfiguration("isSameConfiguration", "q1", model, q1);
   bool same = true;
-  forEachSpace(model, [&](const auto& space, int iq, int) {
-    double way[6] = {0, 0, 0, 0, 0, 0};
-    space.difference(q0.data() + iq, q1.data() + iq, way);
-    for (const double x : way) same = same && std::abs(x) <= tol;
-  });
+  forEachDifference("isSameConfiguration", model, q0, q1,
+                    [&](double x) { same = same && std::abs(x) <= tol; });
   return same;
 }
 
 void normalize(const Model& model, VectorRef q) {
   checkConfiguration("normalize", "q", model, q);
-  for (const JointModel& joint : model.joints) {
-    const inner::UnitPart unit = inner::unitPart(joint);
-    if (unit.size > 0) q.segment(unit.at, unit.size).normalize();
+  for (const ConfigurationBlock& block : model.tree().blocks) {
+    if (block.unit_size > 0) q.segment(block.unit_at, block.unit_size).normalize();
   }
 }
 
 bool isNormalized(const Model& model, const ConstVectorRef& q, double tol) {
   checkConfiguration("isNormalized", "q", model, q);
-  for (const JointModel& joint : model.joints) {
-    const inner::UnitPart unit = inner::unitPart(joint);
-    if (unit.size > 0 && std::abs(q.segment(unit.at, unit.size).norm() - 1) > tol) return false;
+  for (const ConfigurationBlock& block : model.tree().blocks) {
+    if (block.unit_size == 0) continue;
+    if (std::abs(q.segment(block.unit_at, block.unit_size).norm() - 1) > tol) return false;
   }
   return true;
 }
@@ -207,12 +218,14 @@ void dIntegrate(const Model& model, const ConstVectorRef& q, const ConstVectorRe
   checkConfiguration("dIntegrate", "q", model, q);
   inner::checkV("dIntegrate", "v", model, v);
   inner::checkOut("dIntegrate", "J", J, model.nv, model.nv);
-  J.setZero();
-  forEachSpace(model, [&](const auto& space, int, int iv) {
-    const inner::SmallMatrix block =
-        argument == ARG0 ? space.carry(v.data() + iv) : space.right(v.data() + iv);
-    J.block(iv, iv, block.rows(), block.cols()) = block;
-  });
+  J.setIdentity();
+  inner::forEachBlock(
+      model, [](int, int, int) {},
+      [&](const auto& space, int, int iv) {
+        const inner::SmallMatrix block =
+            argument == ARG0 ? space.carry(v.data() + iv) : space.right(v.data() + iv);
+        J.block(iv, iv, block.rows(), block.cols()) = block;
+      });
 }
 
 Eigen::MatrixXd dIntegrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef& v,
@@ -227,20 +240,19 @@ void dDifference(const Model& model, const ConstVectorRef& q0, const ConstVector
   checkConfiguration("dDifference", "q0", model, q0);
   checkConfiguration("dDifference", "q1", model, q1);
   inner::checkOut("dDifference", "J", J, model.nv, model.nv);
+  // difference(q0, q1) = d: moving q1 is a change behind d, moving q0 one before it
+  const double sign = argument == ARG1 ? 1 : -1;
   J.setZero();
-  forEachSpace(model, [&](const auto& space, int iq, int iv) {
-    // difference(q0, q1) = d: moving q1 is a change behind d, moving q0 one before it
-    double d[6];
-    space.difference(q0.data() + iq, q1.data() + iq, d);
-    inner::SmallMatrix block;
-    if (argument == ARG1) {
-      block = space.rightInverse(d);
-    } else {
-      for (double& x : d) x = -x;
-      block = -space.rightInverse(d);
-    }
-    J.block(iv, iv, block.rows(), block.cols()) = block;
-  });
+  J.diagonal().setConstant(sign);
+  inner::forEachBlock(
+      model, [](int, int, int) {},
+      [&](const auto& space, int iq, int iv) {
+        double d[6] = {0, 0, 0, 0, 0, 0};
+        space.difference(q0.data() + iq, q1.data() + iq, d);
+        for (double& x : d) x *= sign;
+        const inner::SmallMatrix block = sign * space.rightInverse(d);
+        J.block(iv, iv, block.rows(), block.cols()) = block;
+      });
 }
 
 Eigen::MatrixXd dDifference(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1,

@@ -5,6 +5,7 @@
 #include "rbd/algorithm/inner/articulate.h"
 #include "rbd/algorithm/inner/check.h"
 #include "rbd/algorithm/inner/joint_terms.h"
+#include "rbd/algorithm/inner/sincos.h"
 
 namespace rbd {
 namespace inner {
@@ -15,6 +16,9 @@ void coordinates(const Vec3<double>& angular, const Vec3<double>& linear, double
   angular.storeU(x);
   linear.storeU(x + 3);
 }
+
+inline Lanes4 get(const double* p) { return *reinterpret_cast<const Lanes4Unaligned*>(p); }
+inline void put(double* p, Lanes4 x) { *reinterpret_cast<Lanes4Unaligned*>(p) = x; }
 
 // Carpentier 2018: aba for all unit efforts at once, in world axes. Column c of F is the force that the
 // bodies beyond need when dof c is pushed; column c of P the acceleration of the body reached so far. Dofs
@@ -34,7 +38,8 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
   const int singular = articulate(joints, rotor, s, d, [](int, int, const Motion<double>&) {});
   if (singular >= 0) return singular;
 
-  // inward: row k = - S_k' F / D_k, then F takes U_k times that row
+  // inward: row k = - S_k' F / D_k, then F takes U_k times that row. Four columns at a time, from the chunk
+  // that holds k: left of k all of F is still 0, beyond what k moves `mine` keeps 0.
   double* const F = s.F.data();
   std::fill(s.F.begin(), s.F.end(), 0.0);
   for (int at = nv - 1; at >= 0; --at) {
@@ -44,15 +49,20 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
     coordinates(s.column[k].w, s.column[k].v, S);
     coordinates(s.U[k].n, s.U[k].f, U);
     const double scale = -s.inverseD[k];
-    for (int c = at + 1; c < end; ++c) {
-      row[c] = scale * (S[0] * F[c] + S[1] * F[stride + c] + S[2] * F[2 * stride + c] +
-                        S[3] * F[3 * stride + c] + S[4] * F[4 * stride + c] + S[5] * F[5 * stride + c]);
+    const int first = at & ~3;
+    for (int c = 0; c < first; c += 4) put(row + c, Lanes4{});
+    for (int c = first; c < end; c += 4) {
+      Lanes4 f[6];
+      for (int r = 0; r < 6; ++r) f[r] = get(F + r * stride + c);
+      Lanes4 x =
+          scale * ((S[0] * f[0] + S[1] * f[1] + S[2] * f[2]) + (S[3] * f[3] + S[4] * f[4] + S[5] * f[5]));
+      const Mask4 place = Mask4{0, 1, 2, 3} + std::int64_t(c);
+      x = chooseLanes(place < std::int64_t(end), x, Lanes4{});
+      x = chooseLanes(place == std::int64_t(at), Lanes4{} + s.inverseD[k], x);
+      put(row + c, x);
+      for (int r = 0; r < 6; ++r) put(F + r * stride + c, f[r] + U[r] * x);
     }
-    row[at] = s.inverseD[k];
-    for (int c = end; c < nv; ++c) row[c] = 0;
-    for (int r = 0; r < 6; ++r) {
-      for (int c = at; c < end; ++c) F[r * stride + c] += U[r] * row[c];
-    }
+    for (int c = (end + 3) & ~3; c < stride; c += 4) put(row + c, Lanes4{});
   }
 
   // outward: what the parents' motion adds, and the motion handed on to the children
@@ -63,19 +73,22 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
     double S[6], U[6];
     coordinates(s.column[k].w, s.column[k].v, S);
     coordinates(s.U[k].n, s.U[k].f, U);
+    const int first = at & ~3;
     if (depth > 0) {
       const double* const up = P - 6 * stride;
       const double scale = -s.inverseD[k];
-      for (int c = at; c < nv; ++c) {
-        row[c] += scale * (U[0] * up[c] + U[1] * up[stride + c] + U[2] * up[2 * stride + c] +
-                           U[3] * up[3 * stride + c] + U[4] * up[4 * stride + c] + U[5] * up[5 * stride + c]);
-      }
-      for (int r = 0; r < 6; ++r) {
-        for (int c = at; c < nv; ++c) P[r * stride + c] = up[r * stride + c] + S[r] * row[c];
+      for (int c = first; c < nv; c += 4) {
+        Lanes4 f[6];
+        for (int r = 0; r < 6; ++r) f[r] = get(up + r * stride + c);
+        const Lanes4 x = get(row + c) + scale * ((U[0] * f[0] + U[1] * f[1] + U[2] * f[2]) +
+                                                 (U[3] * f[3] + U[4] * f[4] + U[5] * f[5]));
+        put(row + c, x);
+        for (int r = 0; r < 6; ++r) put(P + r * stride + c, f[r] + S[r] * x);
       }
     } else {
-      for (int r = 0; r < 6; ++r) {
-        for (int c = at; c < nv; ++c) P[r * stride + c] = S[r] * row[c];
+      for (int c = first; c < nv; c += 4) {
+        const Lanes4 x = get(row + c);
+        for (int r = 0; r < 6; ++r) put(P + r * stride + c, S[r] * x);
       }
     }
   }

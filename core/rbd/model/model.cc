@@ -207,6 +207,7 @@ JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3
   grow(joint, parent);
   pack(index);
   mapJoint(index);
+  appendBlock(joints.back());
   hash(parent);
   hash(static_cast<int>(joint.kind()));
   const FrameIndex parent_frame = getFrameId(names[parent], FrameType(JOINT | FIXED_JOINT));
@@ -280,7 +281,26 @@ void Model::renumber() {
     joints.items_[j].idx_v_ = joints[leader].idx_v();
     tree_.mimic.identity = false;
   }
-  for (JointIndex j = 1; j < njoints; ++j) mapJoint(j);
+  tree_.blocks.clear();
+  for (JointIndex j = 1; j < njoints; ++j) {
+    mapJoint(j);
+    appendBlock(joints[j]);
+  }
+}
+
+void Model::appendBlock(const JointModel& joint) {
+  if (joint.nv() == 0) return;
+  const auto plain = [](Manifold m) { return m == Manifold::Angles || m == Manifold::Lengths; };
+  std::vector<ConfigurationBlock>& blocks = tree_.blocks;
+  if (plain(joint.manifold()) && !blocks.empty() && plain(blocks.back().manifold)) {
+    blocks.back().nv += joint.nv();
+    return;
+  }
+  ConfigurationBlock block{joint.manifold(), joint.idx_q(), joint.idx_v(), joint.nv()};
+  if (block.manifold == Manifold::Rotation || block.manifold == Manifold::Pose) block.unit_size = 4;
+  if (block.manifold == Manifold::PlanarPose) block.unit_size = 2;
+  block.unit_at = joint.idx_q() + joint.nq() - block.unit_size;
+  blocks.push_back(block);
 }
 
 void Model::mapJoint(JointIndex j) {

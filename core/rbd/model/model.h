@@ -131,6 +131,7 @@ class Model {
   // Gives every joint its places in q and v, and makes the mimic map again.
   void renumber();
   void mapJoint(JointIndex joint);
+  void appendBlock(const JointModel& joint);
   void hash(int x) { topology_ = (topology_ ^ static_cast<std::uint64_t>(x)) * 1099511628211u; }
 
   KernelTree tree_;

@@ -15,6 +15,8 @@
 
 #include <vector>
 
+#include "rbd/model/joint.h"
+
 namespace rbd {
 
 struct alignas(64) PackedJoint {
@@ -46,11 +48,21 @@ struct MimicMap {
   std::vector<double> q_ratio, q_offset, v_ratio;
 };
 
+// Neighbouring entries of the user's q and v that live in one space: all numbers in a row, or one joint's
+// rotation or pose.
+struct ConfigurationBlock {
+  Manifold manifold;
+  int idx_q, idx_v, nv;
+  // The part of q that has length one: a quaternion, or cosine and sine.
+  int unit_at = 0, unit_size = 0;
+};
+
 struct KernelTree {
   std::vector<PackedJoint> joints;  // [0] is the universe
   std::vector<int> bodyOf;          // per joint of the model: the entry of `joints` that moves with it
   int nq = 0, nv = 0;               // every joint free
   MimicMap mimic;
+  std::vector<ConfigurationBlock> blocks;  // of the user's q, in order
 
   int size() const { return static_cast<int>(joints.size()); }
 };

@@ -96,5 +96,60 @@ TEST(Configuration, RandomStaysInTheLimitsAndRepeats) {
   EXPECT_NE(randomConfiguration(model), randomConfiguration(model));
 }
 
+// dIntegrate and dDifference against central differences: error h^2 and eps / h.
+TEST(Configuration, DerivativesOfIntegrateAndDifference) {
+  const double h = 1e-5, tol = 1e-8;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const Model model = testing::randomTree(seed, 10, seed % 2 == 0);
+    const testing::State s = testing::randomState(model, seed), t = testing::randomState(model, seed + 50);
+    const auto slopes = [&](auto&& f) {
+      Eigen::MatrixXd out(model.nv, model.nv);
+      for (int k = 0; k < model.nv; ++k) {
+        const Eigen::VectorXd x = h * Eigen::VectorXd::Unit(model.nv, k);
+        out.col(k) = (f(x) - f(-x)) / (2 * h);
+      }
+      return out;
+    };
+    using X = Eigen::VectorXd;
+    const X end = integrate(model, s.q, s.v);
+    const auto from_end = [&](const X& q) { return difference(model, end, q); };
+    const auto by_q = [&](const X& x) { return from_end(integrate(model, integrate(model, s.q, x), s.v)); };
+    const auto by_v = [&](const X& x) { return from_end(integrate(model, s.q, s.v + x)); };
+    EXPECT_LE(testing::distance(dIntegrate(model, s.q, s.v, ARG0), slopes(by_q)), tol);
+    EXPECT_LE(testing::distance(dIntegrate(model, s.q, s.v, ARG1), slopes(by_v)), tol);
+    const auto by_q0 = [&](const X& x) { return difference(model, integrate(model, s.q, x), t.q); };
+    const auto by_q1 = [&](const X& x) { return difference(model, s.q, integrate(model, t.q, x)); };
+    EXPECT_LE(testing::distance(dDifference(model, s.q, t.q, ARG0), slopes(by_q0)), 10 * tol);
+    EXPECT_LE(testing::distance(dDifference(model, s.q, t.q, ARG1), slopes(by_q1)), 10 * tol);
+  }
+}
+
+TEST(Configuration, DistanceAndSameness) {
+  const Model model = testing::randomTree(4, 12, true);
+  const testing::State s = testing::randomState(model, 4), t = testing::randomState(model, 5);
+  EXPECT_NEAR(distance(model, s.q, t.q), difference(model, s.q, t.q).norm(), 1e-12);
+  EXPECT_NEAR(squaredDistance(model, s.q, t.q), difference(model, s.q, t.q).squaredNorm(), 1e-11);
+  Eigen::VectorXd q = s.q;
+  q.segment<4>(3) *= -1;  // the same rotation
+  EXPECT_TRUE(isSameConfiguration(model, s.q, q));
+  EXPECT_FALSE(isSameConfiguration(model, s.q, t.q));
+  EXPECT_TRUE(isNormalized(model, q));
+  q[3] += 0.1;
+  EXPECT_FALSE(isNormalized(model, q));
+}
+
+TEST(Configuration, RandomStaysBetweenBounds) {
+  const Model model = testing::randomTree(7, 20, false);
+  std::mt19937_64 engine(1);
+  const Eigen::VectorXd low = Eigen::VectorXd::Constant(model.nq, 0.25), high = low * 2;
+  const Eigen::VectorXd q = randomConfiguration(model, engine, low, high);
+  for (const JointModel& joint : model.joints) {
+    if (joint.nq() != joint.nv()) continue;
+    for (int k = joint.idx_q(); k < joint.idx_q() + joint.nq(); ++k) EXPECT_TRUE(q[k] >= 0.25 && q[k] <= 0.5);
+  }
+  EXPECT_TRUE(isNormalized(model, q));
+  EXPECT_THROW(randomConfiguration(model, engine, low.head(1), high), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace rbd

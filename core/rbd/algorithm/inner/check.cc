@@ -4,7 +4,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "rbd/algorithm/inner/manifold.h"
 #include "rbd/algorithm/inner/workspace.h"
 
 namespace rbd::inner {
@@ -41,14 +40,16 @@ void failVector(const char* function, const char* name, const double* x, Eigen::
 }
 
 void checkQuaternions(const char* function, const Model& model, const ConstVectorRef& q) {
-  for (int i = 1; i < model.njoints; ++i) {
-    const UnitPart unit = unitPart(model.joints[i]);
+  for (const ConfigurationBlock& block : model.tree().blocks) {
     // the same sum that the kernels divide by
-    if (unit.size == 0 || q.segment(unit.at, unit.size).squaredNorm() > 1e-12) continue;
+    if (block.unit_size == 0 || q.segment(block.unit_at, block.unit_size).squaredNorm() > 1e-12) continue;
+    JointIndex joint = 1;
+    while (model.joints[joint].idx_q() != block.idx_q || model.joints[joint].nq() == 0) ++joint;
+    const bool four = block.unit_size == 4;
     std::ostringstream text;
-    text << function << ": the " << (unit.size == 4 ? "quaternion" : "cosine and sine") << " of joint '"
-         << model.names[i] << "' (q[" << unit.at << "] to q[" << unit.at + unit.size - 1 << "]) "
-         << (unit.size == 4 ? "is" : "are") << " zero; start from neutral(model)";
+    text << function << ": the " << (four ? "quaternion" : "cosine and sine") << " of joint '"
+         << model.names[joint] << "' (q[" << block.unit_at << "] to q[" << block.unit_at + block.unit_size - 1
+         << "]) " << (four ? "is" : "are") << " zero; start from neutral(model)";
     throw std::invalid_argument(text.str());
   }
 }

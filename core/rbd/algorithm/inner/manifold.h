@@ -8,48 +8,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rbd/model/joint.h"
+#include "rbd/model/model.h"
 #include "rbd/spatial/spatial.h"
 
 namespace rbd::inner {
-
-// The part of a joint's q that has length one: a quaternion or cosine and sine.
-struct UnitPart {
-  int at = 0, size = 0;
-};
-inline UnitPart unitPart(const JointModel& joint) {
-  if (joint.nq() == 0) return {};
-  switch (joint.manifold()) {
-    case Manifold::Rotation:
-      return {joint.idx_q(), 4};
-    case Manifold::Pose:
-      return {joint.idx_q() + 3, 4};
-    case Manifold::PlanarPose:
-      return {joint.idx_q() + 2, 2};
-    default:
-      return {};
-  }
-}
 
 inline Eigen::Quaterniond quaternion(const double* q) {
   return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
 }
 
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-
-// n numbers that add.
-struct NumberSpace {
-  int n;
-  void integrate(const double* q, const double* v, double* out) const {
-    for (int k = 0; k < n; ++k) out[k] = q[k] + v[k];
-  }
-  void difference(const double* q0, const double* q1, double* out) const {
-    for (int k = 0; k < n; ++k) out[k] = q1[k] - q0[k];
-  }
-  SmallMatrix carry(const double*) const { return SmallMatrix::Identity(n, n); }
-  SmallMatrix right(const double*) const { return SmallMatrix::Identity(n, n); }
-  SmallMatrix rightInverse(const double*) const { return SmallMatrix::Identity(n, n); }
-};
 
 // Rotations: unit quaternions, velocities in body axes.
 struct RotationSpace {
@@ -135,19 +103,26 @@ struct PlanarSpace {
   }
 };
 
-// f(space) for the space of a joint that has numbers of its own.
-template <class F>
-void onSpace(const JointModel& joint, F&& f) {
-  switch (joint.manifold()) {
-    case Manifold::Angles:
-    case Manifold::Lengths:
-      return f(NumberSpace{joint.nq()});
-    case Manifold::Rotation:
-      return f(RotationSpace());
-    case Manifold::PlanarPose:
-      return f(PlanarSpace());
-    case Manifold::Pose:
-      return f(PoseSpace());
+// Visits the blocks of q and v in order: numbers(first in q, first in v, how many), or space(space, first in
+// q, first in v) for a rotation or pose.
+template <class Numbers, class Space>
+void forEachBlock(const Model& model, Numbers&& numbers, Space&& space) {
+  for (const ConfigurationBlock& block : model.tree().blocks) {
+    switch (block.manifold) {
+      case Manifold::Angles:
+      case Manifold::Lengths:
+        numbers(block.idx_q, block.idx_v, block.nv);
+        break;
+      case Manifold::Rotation:
+        space(RotationSpace(), block.idx_q, block.idx_v);
+        break;
+      case Manifold::PlanarPose:
+        space(PlanarSpace(), block.idx_q, block.idx_v);
+        break;
+      case Manifold::Pose:
+        space(PoseSpace(), block.idx_q, block.idx_v);
+        break;
+    }
   }
 }
 

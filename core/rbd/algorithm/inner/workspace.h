@@ -27,7 +27,7 @@ struct Scratch {
   Vec3<S> centre = Vec3<S>::zero();   // in the world (m)                             worldPoses
   std::vector<Motion<S>> column;      // nv, motion of one dof, world axes            worldColumns
   std::vector<RigidInertia<S>> I;     // bodies, world axes                           worldInertias
-  std::vector<RigidInertia<S>> dI;           // bodies, its rate             computeCentroidalMapTimeVariation
+  std::vector<RigidInertia<S>> dI;    // bodies, its rate             computeCentroidalMapTimeVariation
   std::vector<Motion<S>> v, a;        // bodies, local or world as the algorithm says
   std::vector<Force<S>> f;            // bodies, the same
   std::vector<CoriolisInertia<S>> B;  // bodies, world axes                           coriolisTerms
