@@ -20,5 +20,6 @@
 #include "rbd/model/data.h"
 #include "rbd/model/model.h"
 #include "rbd/model/random_tree.h"
+#include "rbd/model/reduced_model.h"
 #include "rbd/model/sample_models.h"
 #include "rbd/spatial/spatial.h"
