@@ -17,6 +17,7 @@
 #include "rbd/algorithm/kinematics_derivatives.h"
 #include "rbd/algorithm/minverse.h"
 #include "rbd/algorithm/rnea.h"
+#include "rbd/model/append_model.h"
 #include "rbd/model/data.h"
 #include "rbd/model/model.h"
 #include "rbd/model/random_tree.h"
