@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "procs/experiment/joints.h"
+
 namespace lab {
 namespace {
 
@@ -171,9 +173,8 @@ const std::vector<Metric>& metrics() {
 }
 
 void check_expect(const Experiment& e, const rbd::Model& model) {
-  std::vector<std::string> names, joints;
+  std::vector<std::string> names;
   for (const Metric& metric : metrics()) names.push_back(metric.name);
-  for (const JointFigures& joint : joints_of(model)) joints.push_back(joint.name);
   for (const auto& [name, bound] : e.expect) {
     const size_t dot = name.find('.');
     const std::string base = name.substr(0, dot);
@@ -187,9 +188,7 @@ void check_expect(const Experiment& e, const rbd::Model& model) {
     const std::string joint = name.substr(dot + 1);
     if (!metrics()[metric - names.begin()].per_joint)
       fail(e, "expect." + name, "'" + base + "' is not kept per joint");
-    if (std::find(joints.begin(), joints.end(), joint) == joints.end())
-      fail(e, "expect." + name,
-           "'" + model.name + "' has no joint '" + joint + "'" + did_you_mean(joint, joints));
+    if (const std::string fault = joint_fault(model, joint); !fault.empty()) fail(e, "expect." + name, fault);
   }
 }
 

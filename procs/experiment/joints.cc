@@ -5,6 +5,26 @@
 namespace lab {
 namespace {
 
+/// Which of a joint's numbers must have length 1, and what they are called.
+struct UnitPart {
+  int at = 0, size = 0;
+  const char* name = "";
+};
+
+UnitPart unit_part(const rbd::JointModel& joint) {
+  const int at = joint.idx_q();
+  switch (joint.manifold()) {
+    case rbd::Manifold::Rotation:
+      return {at, 4, "quaternion (x, y, z, w)"};
+    case rbd::Manifold::Pose:
+      return {at + 3, 4, "quaternion (x, y, z, w)"};
+    case rbd::Manifold::PlanarPose:
+      return {at + 2, 2, "direction (cos, sin)"};
+    default:
+      return {};
+  }
+}
+
 /// Calls put(joint, value) for what is given; a list of out.size() numbers is taken as the whole vector.
 template <class Put>
 void spread(const Experiment& e, const std::string& key, const JointValues& values, const rbd::Model& model,
@@ -28,11 +48,7 @@ void spread(const Experiment& e, const std::string& key, const JointValues& valu
     }
   } else if (const auto* named = std::get_if<JointValues::Named>(&values.value)) {
     for (const auto& [name, value] : *named) {
-      if (std::find(names.begin(), names.end(), name) == names.end()) {
-        const std::string near = did_you_mean(name, names);
-        fail(e, key + "." + name,
-             "'" + model.name + "' has no such joint" + (near.empty() ? "; it has " + list_of(names) : near));
-      }
+      if (const std::string fault = joint_fault(model, name); !fault.empty()) fail(e, key + "." + name, fault);
       put(model.getJointId(name), value);
     }
   }
@@ -61,13 +77,15 @@ Eigen::VectorXd configuration(const Experiment& e, const std::string& key, const
   spread(e, key, values, model, q, [&](int j, double value) { q[model.joints[j].idx_q()] = value; });
   for (int j = 1; j < model.njoints; ++j) {
     const int at = model.joints[j].idx_q();
-    if (model.joints[j].nq() == 7) {
-      const double length = std::sqrt(q[at + 3] * q[at + 3] + q[at + 4] * q[at + 4] + q[at + 5] * q[at + 5] +
-                                      q[at + 6] * q[at + 6]);
+    if (const UnitPart unit = unit_part(model.joints[j]); unit.size > 0) {
+      double length = 0;
+      for (int i = unit.at; i < unit.at + unit.size; ++i) length += q[i] * q[i];
+      length = std::sqrt(length);
       if (!(std::abs(length - 1) < 1e-6))
         fail(e, key,
-             "the quaternion (x, y, z, w) of the base has length " + number(length) + "; it must be 1");
-      for (int i = 3; i < 7; ++i) q[at + i] /= length;
+             std::string("the ") + unit.name + " of joint '" + model.names[j] + "' has length " + number(length) +
+                 "; it must be 1");
+      for (int i = unit.at; i < unit.at + unit.size; ++i) q[i] /= length;
     }
     if (model.joints[j].nq() != 1) continue;
     const double low = model.lowerPositionLimit[at], high = model.upperPositionLimit[at];
@@ -77,6 +95,25 @@ Eigen::VectorXd configuration(const Experiment& e, const std::string& key, const
                number(low) + " .. " + number(high));
   }
   return q;
+}
+
+std::string joint_fault(const rbd::Model& model, const std::string& name) {
+  const rbd::JointIndex joint = model.getJointId(name);
+  if (joint > 0 && joint < model.njoints) {
+    if (model.joints[joint].nv() == 1) return "";
+    rbd::JointIndex leader = joint;
+    while (model.mimic(leader).leader >= 0) leader = model.mimic(leader).leader;
+    if (leader != joint)
+      return "'" + name + "' follows '" + model.names[leader] + "' and has no number of its own; name '" +
+             model.names[leader] + "'";
+    return "'" + name + "' is a " + model.joints[joint].shortname() +
+           "; only joints of one degree of freedom can be named";
+  }
+  std::vector<std::string> names;
+  for (int j = 1; j < model.njoints; ++j)
+    if (model.joints[j].nv() == 1) names.push_back(model.names[j]);
+  const std::string near = did_you_mean(name, names);
+  return "'" + model.name + "' has no such joint" + (near.empty() ? "; it has " + list_of(names) : near);
 }
 
 const std::string& joint_at(const rbd::Model& model, int i) {

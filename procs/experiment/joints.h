@@ -8,8 +8,8 @@
 
 /// From "a number per joint" to vectors of a model. Only joints with one degree of freedom can be meant: one
 /// number is for all of them, a list has one number for each in model order, a map names them. A floating
-/// base gets the fallback, unless a list has as many numbers as the whole vector. Throws ExperimentError with
-/// the key's place.
+/// base gets the fallback, unless a list has as many numbers as the whole vector. A joint that follows another
+/// has no number: it is not counted, and naming it is an error. Throws ExperimentError with the key's place.
 namespace lab {
 
 /// nv entries; `fallback` where nothing is given.
@@ -20,9 +20,13 @@ Eigen::VectorXd joint_vector(const Experiment&, const std::string& key, const Jo
                              const Eigen::VectorXd& fallback);
 
 /// nq entries; `fallback` (nq) where nothing is given. Refuses what is outside the model's position limits,
-/// and a base quaternion that is not of length 1 (within 1e-6; it is normalised).
+/// and a quaternion (a planar joint's cos and sin) that is not of length 1 (within 1e-6; it is normalised).
 Eigen::VectorXd configuration(const Experiment&, const std::string& key, const JointValues&,
                               const rbd::Model&, const Eigen::VectorXd& fallback);
+
+/// Why a joint cannot be named where a number per joint is given: it follows another ("'x' follows 'y' .."), has
+/// several degrees of freedom, or does not exist. "" if it can.
+std::string joint_fault(const rbd::Model&, const std::string& name);
 
 /// Name of the joint that velocity entry i belongs to.
 const std::string& joint_at(const rbd::Model&, int i);

@@ -72,16 +72,9 @@ int64_t model_hash(const Experiment& e, const Robot& robot) {
 
 void apply_options(const Experiment& e, Robot& robot) {
   rbd::Model& model = robot.model;
-  std::vector<std::string> names;
-  for (int j = 1; j < model.njoints; ++j)
-    if (model.joints[j].nv() == 1) names.push_back(model.names[j]);
   for (const auto& [joint, q] : e.robot.lock) {
     const std::string key = "robot.lock." + joint;
-    if (std::find(names.begin(), names.end(), joint) == names.end()) {
-      const std::string near = did_you_mean(joint, names);
-      fail(e, key,
-           "'" + model.name + "' has no such joint" + (near.empty() ? "; it has " + list_of(names) : near));
-    }
+    if (const std::string fault = joint_fault(model, joint); !fault.empty()) fail(e, key, fault);
     const int at = model.joints[model.getJointId(joint)].idx_q();
     if (q < model.lowerPositionLimit[at] || q > model.upperPositionLimit[at])
       fail(e, key,

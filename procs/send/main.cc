@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "procs/run/run.h"
 #include "procs/run/shell.h"
 #include "procs/send/send.h"
 #include "procs/wire/bus.h"
@@ -70,20 +71,31 @@ class Guest {
   std::unique_ptr<Bus> bus_;
 };
 
-/// Names of the joints, and the reference they have now.
-bool learn(Guest& guest, std::vector<std::string>& joints, std::vector<double>& current) {
+/// Who follows whom on the robot of a run.
+std::map<std::string, std::string> followers_of(const run_t& run) {
+  std::map<std::string, std::string> out;
+  const rbd::Model model = open_run(run).robot.model;
+  for (int joint = 1; joint < model.njoints; ++joint) {
+    int leader = joint;
+    while (model.mimic(leader).leader >= 0) leader = model.mimic(leader).leader;
+    if (leader != joint) out[model.names[joint]] = model.names[leader];
+  }
+  return out;
+}
+
+/// The robot's RUN, and the reference its joints have now.
+bool learn(Guest& guest, run_t& known, std::vector<double>& current) {
   need_t need{};
   need.run = guest.run(), need.step = kBeforeStart, need.process = kSimulator, need.sender = "lab-send";
   int64_t run = 0;
   return guest.ask(Channel::Need, encode(need), [&](Channel channel, std::span<const uint8_t> bytes) {
     if (channel == Channel::Run) {
-      const auto message = decode<run_t>(bytes);
-      joints = message.joint_names, run = message.run;
+      known = decode<run_t>(bytes), run = known.run;
     } else if (channel == Channel::Reference && run != 0) {
       const auto message = decode<reference_t>(bytes);
       if (message.run == run) current = message.q;
     }
-    return !joints.empty() && !current.empty();
+    return run != 0 && !current.empty();
   });
 }
 
@@ -167,13 +179,13 @@ int run(int argc, char** argv) {
       const std::string name = app.get_subcommands().front()->get_name();
       Guest guest(options);
       if (name == "goal" && names_joints(words)) {
-        std::vector<std::string> joints;
+        run_t known{};
         std::vector<double> current;
-        if (!learn(guest, joints, current)) {
+        if (!learn(guest, known, current)) {
           fmt::print(stderr, "lab-send: no simulator answers in {:g} s; is a lab running here?\n", options.timeout);
           return int{kTransport};
         }
-        return request(guest, options, goal(words, duration, joints, current));
+        return request(guest, options, goal(words, duration, known.joint_names, current, followers_of(known)));
       }
       if (name == "goal") return request(guest, options, goal(words, duration));
       if (name == "set") return request(guest, options, set(target, assignment));

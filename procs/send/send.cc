@@ -43,7 +43,8 @@ Action goal(std::span<const std::string> words, double duration) {
   return action;
 }
 
-Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current) {
+Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current,
+            const std::map<std::string, std::string>& followers) {
   Action action = with_duration(duration);
   if (joints.size() != current.size()) throw UsageError("goal: this robot's configuration has other parts than joints; give all of its numbers");
   action.values = current;
@@ -51,6 +52,8 @@ Action goal(std::span<const std::string> words, double duration, const std::vect
     const size_t equals = word.find('=');
     if (equals == std::string::npos) throw UsageError(fmt::format("goal: '{}': either all numbers or JOINT=VALUE", word));
     const std::string joint = word.substr(0, equals);
+    if (const auto follows = followers.find(joint); follows != followers.end())
+      throw UsageError(fmt::format("goal: '{}' follows '{}'; give a goal for that one", joint, follows->second));
     const auto place = std::find(joints.begin(), joints.end(), joint);
     if (place == joints.end()) throw UsageError(fmt::format("goal: the robot has no joint '{}'{}", joint, did_you_mean(joint, joints)));
     action.values[static_cast<size_t>(place - joints.begin())] = number_of(word.substr(equals + 1), "goal: " + joint);

@@ -1,5 +1,6 @@
 #pragma once
 #include <lab/reply_t.hpp>
+#include <map>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -19,9 +20,10 @@ struct UsageError : std::runtime_error {
 bool names_joints(std::span<const std::string> words);
 
 /// `goal`: a configuration; `duration` in s, 0 = as fast as half the speed limits allow. With names, the others keep
-/// their value in `current`. Throws UsageError.
+/// their value in `current`; `followers` says which joint follows which (they take no goals). Throws UsageError.
 Action goal(std::span<const std::string> words, double duration);
-Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current);
+Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current,
+            const std::map<std::string, std::string>& followers = {});
 
 /// `set PROC KEY=VALUE[,VALUE..]`; a word that is no number goes into text.
 Action set(const std::string& process, const std::string& assignment);

@@ -1,6 +1,7 @@
 #include "rbd/model/sample_models.h"
 
-#include <stdexcept>
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "rbd/model/sample_parts.h"
@@ -34,13 +35,6 @@ Inertia inertiaOf(const SamplePart& part) {
   }
 }
 
-void refuseMimic(const char* function, bool mimic) {
-  if (mimic) {
-    throw std::invalid_argument(std::string(function) +
-                                ": this core has no mimic joints yet; call it with mimic = false");
-  }
-}
-
 // Same limits for every entry of one joint.
 struct Limits {
   double effort, velocity, angle;
@@ -60,6 +54,20 @@ void addPart(Model& model, const SamplePart& part, const Limits& limits) {
     }
   }
   model.appendBodyToJoint(joint, inertiaOf(part), SE3(Eigen::Matrix3d::Identity(), part.centre));
+}
+
+// Couples two joints. The leader's limits shrink so that the follower keeps within its own, which a follower
+// no longer has.
+void follow(Model& model, const std::string& follower, const std::string& leader, double multiplier) {
+  const JointIndex f = model.jointId(follower), l = model.jointId(leader);
+  const double share = std::min(1.0, 1 / std::abs(multiplier));  // both sets of limits are alike, and even
+  if (const JointModel& joint = model.joints[l]; !joint.mimics()) {
+    model.lowerPositionLimit[joint.idx_q()] *= share;
+    model.upperPositionLimit[joint.idx_q()] *= share;
+    model.lowerVelocityLimit[joint.idx_v()] *= share;
+    model.upperVelocityLimit[joint.idx_v()] *= share;
+  }
+  model.setMimic(f, l, multiplier);
 }
 
 }  // namespace
@@ -82,7 +90,6 @@ std::vector<SamplePart> manipulatorParts() {
 }
 
 void manipulator(Model& model, bool mimic) {
-  refuseMimic("buildModels::manipulator", mimic);
   Model arm;
   arm.name = "manipulator";
   const Limits strong{300, 6, PI<double>()}, weak{150, 6, PI<double>()};
@@ -104,6 +111,7 @@ void manipulator(Model& model, bool mimic) {
   arm.addFrame(Frame("arm_tool_link", last, arm.getFrameId("joint6_tool_roll"),
                      SE3(Eigen::Matrix3d::Identity(), V(0, 0, 0.08)), OP_FRAME));
   body("effector_body", "joint6_tool_roll");
+  if (mimic) follow(arm, "joint6_tool_roll", "joint4_forearm_roll", -1);
   model = std::move(arm);
 }
 
@@ -160,7 +168,6 @@ std::vector<SamplePart> humanoidParts() {
 }
 
 void humanoid(Model& model, bool mimic) {
-  refuseMimic("buildModels::humanoid", mimic);
   Model body;
   body.name = "humanoid";
   for (const SamplePart& part : humanoidParts()) {
@@ -170,6 +177,12 @@ void humanoid(Model& model, bool mimic) {
   }
   // rotors behind gears, on the joints; the free-flyer has none
   body.armature.tail(body.nv - 6).setConstant(0.02);
+  if (mimic) {
+    for (const std::string side : {"left_", "right_"}) {
+      follow(body, side + "knee", side + "hip_pitch", -2);
+      follow(body, side + "ankle_pitch", side + "knee", -0.5);
+    }
+  }
   model = std::move(body);
 }
 

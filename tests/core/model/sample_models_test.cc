@@ -39,18 +39,19 @@ TEST(SampleModels, ManipulatorIsAsTheContractSays) {
                            "arm_tool_link", "effector_body"}) {
     EXPECT_LT(model.getFrameId(name), model.nframes) << name;
   }
-  EXPECT_THROW(buildModels::manipulator(model, true), std::invalid_argument);
 }
 
 TEST(SampleModels, ManipulatorsInertiaNeverFallsBelowTheBound) {
-  Model model;
-  buildModels::manipulator(model);
-  Data data(model);
-  std::mt19937_64 engine(1);
-  for (int k = 0; k < 2000; ++k) {
-    const Eigen::MatrixXd M = crba(model, data, randomConfiguration(model, engine));
-    ASSERT_GT(smallestPivot(M, 0.2), 0);
-    ASSERT_LT(smallestPivot(M, 5.0), 0);  // the check can fail
+  for (const bool mimic : {false, true}) {
+    Model model;
+    buildModels::manipulator(model, mimic);
+    Data data(model);
+    std::mt19937_64 engine(1);
+    for (int k = 0; k < 1000; ++k) {
+      const Eigen::MatrixXd M = crba(model, data, randomConfiguration(model, engine));
+      ASSERT_GT(smallestPivot(M, 0.2), 0);
+      ASSERT_LT(smallestPivot(M, 5.0), 0);  // the check can fail
+    }
   }
 }
 
@@ -84,6 +85,63 @@ TEST(SampleModels, Humanoid) {
       EXPECT_EQ(inertia.problem(), "");
     }
   }
+}
+
+// With a straight wrist the tool stands as if the forearm had not turned.
+TEST(SampleModels, ManipulatorsToolKeepsItsRoll) {
+  Model model, free;
+  buildModels::manipulator(model, true);
+  buildModels::manipulator(free, false);
+  EXPECT_EQ(model.nq, 5);
+  EXPECT_EQ(model.nv, 5);
+  EXPECT_EQ(model.nframes, free.nframes);
+  EXPECT_EQ(model.armature.minCoeff(), 0.25);
+  Data data(model), data2(free);
+  Eigen::VectorXd q = testing::Random(1).vec(5), still = Eigen::VectorXd::Zero(6);
+  q[4] = 0;
+  still.head(3) = q.head(3);
+  forwardKinematics(model, data, q);
+  forwardKinematics(free, data2, still);
+  const FrameIndex tool = model.frameId("arm_tool_link");
+  EXPECT_TRUE(data.oMf[tool].isApprox(data2.oMf[tool], 1e-14));
+  EXPECT_FALSE(data.oMi[4].isApprox(data2.oMi[4], 0.1));  // the forearm has turned
+  // and any motion is that of the free arm with the sixth joint against the fourth
+  q = testing::Random(2).vec(5);
+  Eigen::VectorXd q6(6);
+  q6 << q, -q[3];
+  forwardKinematics(model, data, q);
+  forwardKinematics(free, data2, q6);
+  for (FrameIndex f = 0; f < model.nframes; ++f) EXPECT_TRUE(data.oMf[f].isApprox(data2.oMf[f], 1e-14));
+}
+
+// The hip, knee and ankle pitches of a leg add up to nothing: what is left between pelvis and foot are the
+// hip's yaw and roll and the ankle's roll.
+TEST(SampleModels, HumanoidsFeetDoNotPitch) {
+  Model model;
+  buildModels::humanoid(model, true);
+  EXPECT_EQ(model.nq, 33);
+  EXPECT_EQ(model.nv, 32);
+  EXPECT_EQ(model.njoints, 32);
+  Data data(model);
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Eigen::VectorXd q = testing::randomState(model, seed).q;
+    forwardKinematics(model, data, q);
+    for (const std::string side : {"left_", "right_"}) {
+      const auto angle = [&](const char* joint) {
+        return q[model.joints[model.jointId(side + joint)].idx_q()];
+      };
+      const auto turn = [](double x, const Eigen::Vector3d& axis) { return exp3(Eigen::Vector3d(x * axis)); };
+      const Eigen::Matrix3d foot = turn(angle("hip_yaw"), Eigen::Vector3d::UnitZ()) *
+                                   turn(angle("hip_roll") + angle("ankle_roll"), Eigen::Vector3d::UnitX());
+      const SE3 seen = data.oMi[1].actInv(data.oMf[model.frameId(side + "ankle_roll")]);
+      EXPECT_LE(testing::distance(seen.rotation(), foot), 1e-14);
+      // the knee, which has no limits of its own, stays within what it had
+      const double knee = -2 * angle("hip_pitch");
+      EXPECT_LE(std::abs(knee), 2.5);
+    }
+  }
+  EXPECT_EQ(model.upperVelocityLimit[model.joints[model.jointId("left_hip_pitch")].idx_v()], 5);
+  EXPECT_EQ(model.upperPositionLimit[model.joints[model.jointId("left_hip_roll")].idx_q()], 2.5);
 }
 
 // children of one joint are in alphabetical order, and the tree depth first: the wire's model order

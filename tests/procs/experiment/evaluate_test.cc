@@ -156,8 +156,8 @@ TEST(Evaluate, ExpectationsMustExist) {
   EXPECT_EQ(message("work.joint2_shoulder"),
             "x.yaml: expect.work.joint2_shoulder: 'work' is not kept per joint");
   EXPECT_EQ(message("max_error.joint2_sholder"),
-            "x.yaml: expect.max_error.joint2_sholder: 'manipulator' has no joint 'joint2_sholder'; did you "
-            "mean 'joint2_shoulder'?");
+            "x.yaml: expect.max_error.joint2_sholder: 'manipulator' has no such joint; did you mean "
+            "'joint2_shoulder'?");
 }
 
 }  // namespace

@@ -34,6 +34,11 @@ TEST(Send, GoalForSomeJointsKeepsTheOthers) {
   EXPECT_EQ(refusal([] { goal(Words{"elbow=1", "2"}, 0, kJoints, {0, 0}); }), "goal: '2': either all numbers or JOINT=VALUE");
 }
 
+TEST(Send, FollowersTakeNoGoals) {
+  EXPECT_EQ(refusal([] { goal(Words{"wrist=1"}, 0, kJoints, {0, 0}, {{"wrist", "elbow"}}); }),
+            "goal: 'wrist' follows 'elbow'; give a goal for that one");
+}
+
 TEST(Send, SetOneManyOrAWord) {
   EXPECT_EQ(set("controller", "kp=80").values, Numbers{80});
   EXPECT_EQ(set("controller", "kp=1,2,3").values, (Numbers{1, 2, 3}));
