@@ -40,8 +40,13 @@ std::string push_fault(const rbd::Model& model, const Action& action) {
 }
 
 std::string set_fault(const Experiment& e, const rbd::Model& model, const Action& action) {
-  if (action.target != "controller") return "'" + action.target + "' has nothing to set; the controller has kp and kd";
-  if (e.processes.contains("controller")) return "";  // somebody else's: it knows its own keys
+  if (action.target != "controller" && action.target != "planner")
+    return "'" + action.target + "' has nothing to set; the controller has kp and kd, the planner motion";
+  if (e.processes.contains(action.target)) return "";  // somebody else's: it knows its own keys
+  if (action.target == "planner") {
+    if (action.key != "motion" || action.text != "on") return "the planner has nothing to set but motion=on: back to its motion after a goal";
+    return floats(model) ? "'" + model.name + "' floats; it does not move" : "";
+  }
   if (action.key != "kp" && action.key != "kd")
     return "the controller has no '" + action.key + "' to set" + did_you_mean(action.key, {"kp", "kd"}) + " (it has kp and kd)";
   size_t joints = 0;

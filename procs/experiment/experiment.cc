@@ -18,10 +18,10 @@ bool Experiment::operator==(const Experiment& o) const {
 
 void fail(const Experiment& experiment, const std::string& key, const std::string& message) {
   // a fault inside a key (expect.max_error.max) is reported where the nearest given key stands
-  for (std::string at = key;; at.resize(at.rfind('.'))) {
+  for (std::string at = key;; at.resize(at.find_last_of(".["))) {
     if (auto it = experiment.where.find(at); it != experiment.where.end())
       throw ExperimentError(it->second + ": " + key + ": " + message);
-    if (at.find('.') == std::string::npos) break;
+    if (at.find_first_of(".[") == std::string::npos) break;
   }
   throw ExperimentError((experiment.file.empty() ? "experiment" : experiment.file) + ": " + key + ": " +
                         message);

@@ -77,6 +77,10 @@ struct Experiment {
     JointValues amplitude;  ///< rad, m
     JointValues frequency;  ///< rad/s; 1 + 0.3 i
     JointValues phase;      ///< rad
+    std::vector<JointValues> targets;  ///< rad, m: of point_to_point
+    double dwell = 0.5;     ///< s of rest at each target
+    bool cycle = true;      ///< from the last target back to the first
+    double speed = 0.5;     ///< share of the joints' speed limits
     int64_t lead = 4;       ///< steps that references run ahead
     bool operator==(const Planner&) const = default;
   } planner;

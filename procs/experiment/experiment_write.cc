@@ -87,6 +87,7 @@ class Writer {
     if (bound.max) sides["max"] = *bound.max;
     return text(sides);
   }
+  std::string text(const std::vector<JointValues>& values) const { return values.empty() ? "" : list(values); }
   std::string text(const JointValues& values) const {
     if (const auto* one = std::get_if<double>(&values.value)) return text(*one);
     if (const auto* some = std::get_if<std::vector<double>>(&values.value)) return list(*some);

@@ -118,6 +118,19 @@ void read(const YAML::Node& node, const Key& key, JointValues& value) {
   }
 }
 
+void read(const YAML::Node& node, const Key& key, std::vector<JointValues>& value) {
+  if (!node.IsSequence() || node.size() == 0) throw Fault{"must be a list of configurations, not " + (node.IsSequence() ? "empty" : show(node))};
+  for (const YAML::Node& item : node) {
+    const std::string below = "[" + std::to_string(value.size()) + "]";
+    try {
+      if (item.IsScalar()) throw Fault{"must be a list of numbers or a map joint: number, not " + show(item)};
+      read(item, key, value.emplace_back());
+    } catch (const Fault& fault) {
+      throw Fault{fault.message, below + fault.below};
+    }
+  }
+}
+
 void read(const YAML::Node& node, const Key&, std::map<std::string, std::string>& value) {
   if (!node.IsMap()) throw Fault{"must be a map name: command, not " + show(node)};
   for (const auto& item : node) {
@@ -217,7 +230,7 @@ class Document {
   std::string origin(const std::string& path, const std::string& in_text) const {
     const auto after = set_.lower_bound(path);
     if (after != set_.end() && (*after == path || after->starts_with(path + "."))) return "--set";
-    for (size_t dot = path.rfind('.'); dot != std::string::npos && dot > 0; dot = path.rfind('.', dot - 1))
+    for (size_t dot = path.find_last_of(".["); dot != std::string::npos && dot > 0; dot = path.find_last_of(".[", dot - 1))
       if (set_.count(path.substr(0, dot))) return "--set";
     return in_text;
   }
@@ -245,8 +258,13 @@ class Document {
     }
   }
 
-  // the lines of values inside a map, for messages about one of them
+  // the lines of values inside a map or list, for messages about one of them
   void note_parts(const YAML::Node& node, const std::string& path) {
+    for (size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
+      const std::string below = path + "[" + std::to_string(i) + "]";
+      where[below] = origin(below, at_line(node[i].Mark()));
+      note_parts(node[i], below);
+    }
     if (!node.IsMap()) return;
     for (const auto& item : node) {
       const std::string below = path + "." + item.first.as<std::string>("?");

@@ -74,7 +74,7 @@ void for_each_key(E& e, F&& f) {
   f(K{"simulator.allow_fall", "", "false", "`true` lets a floating robot fall: there is no ground yet"},
     e.simulator.allow_fall);
 
-  f(K{"planner.kind", "", "hold", "`hold` (stay at q0), `cubic`, `quintic` or `sinusoid`"}, e.planner.kind);
+  f(K{"planner.kind", "", "hold", "`hold` (stay at q0), `cubic`, `quintic`, `sinusoid` or `point_to_point`"}, e.planner.kind);
   f(K{"planner.goal", "rad, m", "needed by cubic, quintic", "where the motion ends, inside the joint limits"},
     e.planner.goal);
   f(K{"planner.duration", "s", "the simulator's", "time from q0 to the goal, which then holds", kTiny, kLong},
@@ -86,6 +86,15 @@ void for_each_key(E& e, F&& f) {
   f(K{"planner.frequency", "rad/s", "1 + 0.3 i", "sinusoid; i = 0 for the first joint", 0},
     e.planner.frequency);
   f(K{"planner.phase", "rad", "0", "sinusoid"}, e.planner.phase);
+  f(K{"planner.targets", "rad, m", "needed by point_to_point",
+      "a list of configurations that are visited in turn, along quintics, the first from q0"},
+    e.planner.targets);
+  f(K{"planner.dwell", "s", "0.5", "point_to_point: rest at each target", 0, kLong}, e.planner.dwell);
+  f(K{"planner.cycle", "", "true", "point_to_point: from the last target to the first again; `false`: stay there"},
+    e.planner.cycle);
+  f(K{"planner.speed", "", "0.5",
+      "share of the joints' speed limits that point_to_point, and goals given while it runs, make use of", 0.01, 1},
+    e.planner.speed);
   f(K{"planner.lead", "steps", "4", "how far references run ahead; from 16 on the planner works in batches and the loop runs about twice as fast", 0, 128}, e.planner.lead);
 
   f(K{"controller.kind", "", "pd", "`none`, `pd`, `pd_gravity` or `computed_torque`"}, e.controller.kind);

@@ -1,25 +1,13 @@
 #include "procs/planner/planner.h"
 
-#include <rbd/algorithm/configuration.h>
-
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "procs/experiment/actions.h"
-#include "procs/experiment/joints.h"
 
 namespace lab::planner {
 namespace {
-
-/// From q0 to the goal: q = q0 + s (goal - q0), with s and its derivatives at time t.
-void along_the_line(const Config& c, double s, double rate, double acceleration, Reference& out) {
-  for (Eigen::Index i = 0; i < c.q0.size(); ++i) {
-    const double way = c.goal[i] - c.q0[i];
-    out.q[i] = c.q0[i] + s * way;
-    out.v[i] = rate * way;
-    out.a[i] = acceleration * way;
-  }
-}
 
 void stay(const Eigen::VectorXd& q, Reference& out) {
   out.q = q;
@@ -27,101 +15,13 @@ void stay(const Eigen::VectorXd& q, Reference& out) {
   out.a.setZero();
 }
 
-void hold(const Config& c, double, Reference& out) { stay(c.q0, out); }
-
-// s = 3 x^2 - 2 x^3: at rest at both ends, acceleration jumps there
-void cubic(const Config& c, double t, Reference& out) {
-  const double T = c.duration, x = t / T;
-  if (x > 1) return stay(c.goal, out);
-  along_the_line(c, x * x * (3 - 2 * x), 6 * x * (1 - x) / T, (6 - 12 * x) / (T * T), out);
-}
-
-// s = 10 x^3 - 15 x^4 + 6 x^5: acceleration is zero at both ends too
-void quintic(const Config& c, double t, Reference& out) {
-  const double T = c.duration, x = t / T;
-  if (x > 1) return stay(c.goal, out);
-  along_the_line(c, x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x) / T,
-                 60 * x * (1 - x) * (1 - 2 * x) / (T * T), out);
-}
-
-// every joint swings for ever
-void sinusoid(const Config& c, double t, Reference& out) {
-  for (Eigen::Index i = 0; i < c.offset.size(); ++i) {
-    const double A = c.amplitude[i], w = c.frequency[i], angle = w * t + c.phase[i];
-    out.q[i] = c.offset[i] + A * std::sin(angle);
-    out.v[i] = A * w * std::cos(angle);
-    out.a[i] = -A * w * w * std::sin(angle);
-  }
-}
-
-constexpr Kind kKinds[] = {
-    {"hold", "stays at q0", hold, false},
-    {"cubic", "from rest at q0 to rest at the goal", cubic, true},
-    {"quintic", "the same, without a jump of the acceleration", quintic, true},
-    {"sinusoid", "every joint swings", sinusoid, false},
-};
-
-const Kind& find_kind(const Experiment& e) {
-  std::vector<std::string> names;
-  for (const Kind& kind : kKinds) {
-    if (e.planner.kind == kind.name) return kind;
-    names.push_back(kind.name);
-  }
-  fail(e, "planner.kind", "'" + e.planner.kind + "' is not known; use one of " + list_of(names));
-}
-
-}  // namespace
-
-std::span<const Kind> kinds() { return kKinds; }
-
-Config make_config(const Experiment& e, const rbd::Model& model) {
-  Config config;
-  config.kind = &find_kind(e);
-  config.dt = e.simulator.dt;
-  config.duration = e.planner.duration > 0 ? e.planner.duration : e.simulator.duration;
-  config.nv = model.nv;
-  config.floating = floats(model);
-  config.q_min = model.lowerPositionLimit, config.q_max = model.upperPositionLimit;
-  config.v_max.resize(model.nv);
-  for (int i = 0; i < model.nv; ++i) config.v_max[i] = std::isfinite(model.upperVelocityLimit[i]) && model.upperVelocityLimit[i] > 0 ? model.upperVelocityLimit[i] : 1;
-  config.q0 = config.goal = configuration(e, "simulator.q0", e.simulator.q0, model, rbd::neutral(model));
-  if (config.kind->law == hold) return config;
-  if (floats(model)) fail(e, "planner.kind", "'" + model.name + "' floats; only hold is possible for now");
-
-  if (config.kind->to_goal) {
-    if (!e.planner.goal.given())
-      fail(e, "planner.goal", std::string("is missing; a ") + config.kind->name + " needs one");
-    config.goal = configuration(e, "planner.goal", e.planner.goal, model, config.q0);
-    return config;
-  }
-  Eigen::VectorXd one_and_more(model.nv);
-  for (int i = 0; i < model.nv; ++i) one_and_more[i] = 1 + 0.3 * i;
-  config.offset = configuration(e, "planner.offset", e.planner.offset, model, config.q0);
-  config.amplitude = joint_vector(e, "planner.amplitude", e.planner.amplitude, model, 0);
-  config.frequency = joint_vector(e, "planner.frequency", e.planner.frequency, model, one_and_more);
-  config.phase = joint_vector(e, "planner.phase", e.planner.phase, model, 0);
-  for (int i = 0; i < model.nv; ++i) {
-    const double reach = std::abs(config.amplitude[i]), low = model.lowerPositionLimit[i],
-                 high = model.upperPositionLimit[i];
-    if (config.offset[i] - reach < low || config.offset[i] + reach > high)
-      fail(e, "planner.amplitude",
-           "joint '" + joint_at(model, i) + "' would swing over " + number(config.offset[i] - reach) +
-               " .. " + number(config.offset[i] + reach) + "; its limits are " + number(low) + " .. " +
-               number(high));
-  }
-  return config;
-}
-
-namespace {
-
-constexpr double kShare = 0.5;      // of the speed limits that a way of our own uses
-constexpr double kQuinticPeak = 1.875;
-constexpr double kLeast = 0.5;      // s: the shortest way and ramp
+constexpr double kShare = 0.5;  // of the speed limits that coming back to the motion may add to it
 
 /// The motion at its own time t.
 void motion(const Config& c, const State& s, double t, Reference& out) {
   if (!s.way) return c.kind->law(c, t, out);
   const Way& w = *s.way;
+  if (w.onward && t >= w.T) return c.kind->law(c, *w.onward + (t - w.T), out);
   const double x = std::clamp(t, 0.0, w.T);
   for (Eigen::Index i = 0; i < out.q.size(); ++i) {
     const double c1 = w.c[1][i], c2 = w.c[2][i], c3 = w.c[3][i], c4 = w.c[4][i], c5 = w.c[5][i];
@@ -172,17 +72,17 @@ void resume(const Config& c, State& s, int64_t step, double t, const Eigen::Vect
   if (away < 1e-9 && speed < 1e-9) s.ramp = 0;  // it starts from rest anyway
 }
 
-/// The quintic from a reference to rest at the goal.
-Way way_to(const Reference& from, const std::vector<double>& goal, double T) {
+/// The quintic from one reference to another.
+Way way_between(const Reference& from, const Reference& to, double T) {
   Way way;
   way.T = T;
   for (auto& c : way.c) c.resize(from.q.size());
   for (Eigen::Index i = 0; i < from.q.size(); ++i) {
-    const double v = from.v[i] * T, a = from.a[i] * T * T, d = goal[i] - from.q[i];
+    const double v = from.v[i] * T, a = from.a[i] * T * T, w = to.v[i] * T, b = to.a[i] * T * T, d = to.q[i] - from.q[i];
     way.c[0][i] = from.q[i], way.c[1][i] = from.v[i], way.c[2][i] = from.a[i] / 2;
-    way.c[3][i] = (10 * d - 6 * v - 1.5 * a) / (T * T * T);
-    way.c[4][i] = (-15 * d + 8 * v + 1.5 * a) / (T * T * T * T);
-    way.c[5][i] = (6 * d - 3 * v - 0.5 * a) / (T * T * T * T * T);
+    way.c[3][i] = (10 * d - 6 * v - 4 * w - 1.5 * a + 0.5 * b) / (T * T * T);
+    way.c[4][i] = (-15 * d + 8 * v + 7 * w + 1.5 * a - b) / (T * T * T * T);
+    way.c[5][i] = (6 * d - 3 * v - 3 * w - 0.5 * a + 0.5 * b) / (T * T * T * T * T);
   }
   return way;
 }
@@ -197,26 +97,57 @@ bool possible(const Config& c, const State& s, double share, Reference& scratch)
   return true;
 }
 
+/// The time of config's own motion at a step, on a way the one at which it was left.
+double own_time(const Config& c, const State& s, int64_t step) {
+  const double t = s.held ? s.began : motion_time(c, s, step).t;
+  if (!s.way) return t;
+  return s.way->onward && t >= s.way->T ? *s.way->onward + (t - s.way->T) : s.left;
+}
+
+/// Takes the way that make(T) gives, slower ones too if `patient`; empty, or why not.
+template <class Make>
+std::string take_way(const Config& c, State& s, int64_t step, double T, bool patient, Make make) {
+  State next = s;
+  next.left = own_time(c, s, step);
+  next.since = step, next.began = 0, next.ramp = 0;
+  Reference scratch;
+  scratch.q.resize(c.q0.size()), scratch.v.resize(c.nv), scratch.a.resize(c.nv);
+  for (int attempt = 0; attempt < (patient ? 12 : 1); ++attempt, T *= 1.25) {
+    next.way = make(T);
+    if (!possible(c, next, 1, scratch)) continue;
+    s = std::move(next);
+    return "";
+  }
+  return "the way there in " + number(T) + " s would leave the joints' limits of position or speed";
+}
+
 /// Takes a goal; empty, or why not.
 std::string go(const Config& c, State& s, const Action& action, int64_t step, const Reference& from) {
   if (c.floating) return "a floating robot takes no goals";
   if (action.values.size() != static_cast<size_t>(c.q0.size()))
     return "has " + std::to_string(action.values.size()) + " values, needed " + std::to_string(c.q0.size());
   const double asked = action.key == "duration" ? std::strtod(action.text.c_str(), nullptr) : 0;
-  State next = s;
-  next.since = step, next.began = 0, next.ramp = 0;
-  Reference scratch = from;
-  double T = asked > 0 ? asked : kLeast;
-  if (!(asked > 0))
-    for (Eigen::Index i = 0; i < from.q.size(); ++i)
-      T = std::max(T, kQuinticPeak * std::abs(action.values[i] - from.q[i]) / (kShare * c.v_max[i]));
-  for (int attempt = 0; attempt < (asked > 0 ? 1 : 12); ++attempt, T *= 1.25) {
-    next.way = way_to(from, action.values, T);
-    if (!possible(c, next, 1, scratch)) continue;
-    s = std::move(next);
-    return "";
-  }
-  return "the way there in " + number(T) + " s would leave the joints' limits of position or speed";
+  Reference to = from;
+  stay(Eigen::Map<const Eigen::VectorXd>(action.values.data(), c.q0.size()), to);
+  const double T = asked > 0 ? asked : shortest_way(c, from.q, to.q);
+  return take_way(c, s, step, T, !(asked > 0), [&](double duration) { return way_between(from, to, duration); });
+}
+
+/// Back to the motion that a goal has taken the place of; empty, or why not.
+std::string go_back(const Config& c, State& s, const Action& action, int64_t step, const Reference& from) {
+  if (action.key != "motion" || action.text != "on") return "the planner knows only motion=on";
+  if (!s.way || s.way->onward) return "";  // it is on
+  const double left = s.left;
+  const auto arrival = c.kind->next_arrival;
+  Reference to = from;
+  c.kind->law(c, arrival ? arrival(c, left) : left, to);
+  return take_way(c, s, step, shortest_way(c, from.q, to.q), true, [&](double T) {
+    const double onward = arrival ? arrival(c, left) : left + T;
+    c.kind->law(c, onward, to);
+    Way way = way_between(from, to, T);
+    way.onward = onward;
+    return way;
+  });
 }
 
 }  // namespace
@@ -246,7 +177,9 @@ Output step(const Config& config, State& state, const Input& input) {
   now();
   for (const Action& action : input.actions) {
     if (!is_for(action, "planner")) continue;
-    const std::string why_not = action.verb == "goal" ? go(config, state, action, input.step, reference) : "the planner has no such action";
+    std::string why_not = "the planner has no such action";
+    if (action.verb == "goal") why_not = go(config, state, action, input.step, reference);
+    if (action.verb == "set") why_not = go_back(config, state, action, input.step, reference);
     if (!why_not.empty()) output.events.push_back(ignored(action, "planner", why_not));
     else now();
   }

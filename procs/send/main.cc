@@ -149,7 +149,7 @@ int run(int argc, char** argv) {
   };
   CLI::App* goal_verb = verb("goal", "Moves the reference to a configuration, from where it is, without a jump.", "goal elbow=0.5 --duration 2");
   goal_verb->add_option("q", words, "a number for every joint (rad, m), or JOINT=VALUE for some")->required()->allow_extra_args();
-  goal_verb->add_option("--duration", duration, "s (default: as fast as half the speed limits allow)");
+  goal_verb->add_option("--duration", duration, "s (default: as fast as planner.speed, half, of the speed limits allows)");
   CLI::App* set_verb = verb("set", "Changes a value of a process while it runs.", "set controller kp=80");
   set_verb->add_option("process", target, "such as controller")->required();
   set_verb->add_option("assignment", assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")->required();

@@ -19,8 +19,8 @@ struct UsageError : std::runtime_error {
 /// What the words mean: numbers for all joints in model order, or JOINT=VALUE for some.
 bool names_joints(std::span<const std::string> words);
 
-/// `goal`: a configuration; `duration` in s, 0 = as fast as half the speed limits allow. With names, the others keep
-/// their value in `current`; `followers` says which joint follows which (they take no goals). Throws UsageError.
+/// `goal`: a configuration; `duration` in s, 0 = as fast as planner.speed of the speed limits allows. With names, the
+/// others keep their value in `current`; `followers` says which joint follows which (they take no goals). Throws UsageError.
 Action goal(std::span<const std::string> words, double duration);
 Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current,
             const std::map<std::string, std::string>& followers = {});

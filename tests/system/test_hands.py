@@ -130,6 +130,37 @@ def events_of(run, tmp_path):
     return [types.event_t.decode(data) for channel, data in lab.events(run.folder / "log.lcm.part") if channel == "EVENT"]
 
 
+def test_a_goal_comes_between_a_cycle_and_it_goes_on(tmp_path):
+    """By the log: no reference jumps, whatever the moment at which the requests came."""
+    file = tmp_path / "live.yaml"
+    file.write_text(LIVE.format(duration=600, controller=lab.BUILD / "bin" / "lab-controller"))
+    a, b, aside = [0.4, 0.2, 0, 0, 0, 0], [-0.4, 0, 0.3, 0, 0, 0], [0, 0.5, 0.5, 0, 0, 0.3]
+    cycle = ["--set", "planner.kind=point_to_point", "--set", f"planner.targets=[{a}, {b}]", "--set", "planner.dwell=0.1", "--set", "safety.timeout=0.5"]
+    with lab.Running(str(file), tmp_path / "run", *cycle) as run:
+        run.wait_for_step(700)
+        there = json.loads(ok(send(run, "goal", *map(str, aside), "--json")))["step"]
+        run.wait_for_step(there + 1500)
+        back = json.loads(ok(send(run, "set", "planner", "motion=on", "--json")))["step"]
+        done = send(run, "set", "planner", "motion=off")
+        assert done.returncode == 7 and "motion=on" in done.stderr
+        run.wait_for_step(back + 2500)
+        run.process.send_signal(signal.SIGINT)
+        assert run.finish().returncode == 130
+    types = lab.generated_types(tmp_path)
+    references = [types.reference_t.decode(d) for c, d in lab.events(run.folder / "log.lcm") if c == "REFERENCE"]
+    # quintics of T >= 0.5 s over d <= 0.8 rad, from speeds below 3 and accelerations below 20: the jerk is at most
+    # 60 d / T^3 + 36 v / T^2 + 9 a / T < 1200, the acceleration a + 6 d / T^2 + 4 v / T < 50. An answer may skip steps.
+    for p, r in zip(references, references[1:]):
+        h = (r.step - p.step) * 0.001
+        for i in range(6):
+            assert abs(r.v[i] - p.v[i]) <= 50 * h and abs(r.a[i] - p.a[i]) <= 1200 * h, (p.step, r.step, i)
+            assert abs(r.q[i] - p.q[i] - h * (r.v[i] + p.v[i]) / 2) <= 1200 * h * h * h, (p.step, r.step, i)
+    rests = [r for r in references if not any(r.v)]
+    assert any(max(abs(x - y) for x, y in zip(r.q, aside)) < 1e-9 for r in rests if r.step < back)
+    visited = [target for r in rests if r.step > back for target in (a, b) if max(abs(x - y) for x, y in zip(r.q, target)) < 1e-9]
+    assert a in visited and b in visited
+
+
 def test_goal_push_and_stop_in_real_time(tmp_path):
     file = tmp_path / "live.yaml"
     file.write_text(LIVE.format(duration=600, controller=lab.BUILD / "bin" / "lab-controller"))

@@ -86,6 +86,11 @@ constexpr Case kRefused[] = {
      "x.yaml:2: planner.lead: 129 is too large; give at most 128 (steps)"},
     {"robot: {model: m}\nplanner: {lead: -1}\n",
      "x.yaml:2: planner.lead: -1 is too small; give at least 0 (steps)"},
+    {"robot: {model: m}\nplanner:\n  targets: []\n", "x.yaml:3: planner.targets: must be a list of configurations, not empty"},
+    {"robot: {model: m}\nplanner:\n  targets:\n    - [1, 2]\n    - 3\n",
+     "x.yaml:5: planner.targets[1]: must be a list of numbers or a map joint: number, not '3'"},
+    {"robot: {model: m}\nplanner:\n  targets:\n    - elbow: 1\n      wrist: much\n",
+     "x.yaml:5: planner.targets[0].wrist: must be a number, not 'much'"},
     {"robot: {model: m, mimic: yes}\n", "x.yaml:1: robot.mimic: must be true or false, not 'yes'"},
     {"robot: {model: m}\nrenderer:\n  size: [640]\n",
      "x.yaml:3: renderer.size: must be a list of 2 numbers, not of 1"},
@@ -193,6 +198,11 @@ class Randomizer {
     if (form == 2) x.value = std::vector<double>{within(key), within(key), 0.1, -0.0};
     if (form == 3)
       x.value = JointValues::Named{{"elbow", within(key)}, {"true", 2}, {"left arm: 1", within(key)}};
+  }
+  void operator()(const Key& key, std::vector<JointValues>& x) {
+    x.resize(random_() % 4);
+    for (JointValues& value : x)
+      while (!value.given() || value.value.index() == 1) (*this)(key, value);
   }
   void operator()(const Key&, std::map<std::string, std::string>& x) {
     x = {{"controller", "python3 'my controller.py' --x \"1\""}};
