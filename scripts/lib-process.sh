@@ -91,6 +91,28 @@ restart_asked() { # NAME
   fi
 }
 
+# The simulator is gone and comes back: so do all, as another launch.
+set_logs_aside() {
+  local n=1 file run_dir=$dir/..
+  while [ -e "$run_dir/log-$n.lcm" ] || [ -e "$run_dir/log-$n.lcm.part" ] || [ -e "$run_dir/telemetry-$n.lcm" ]; do n=$((n + 1)); done
+  for file in log.lcm log.lcm.part telemetry.lcm telemetry.lcm.part; do
+    [ ! -e "$run_dir/$file" ] || mv "$run_dir/$file" "$run_dir/${file/.lcm/-$n.lcm}"
+  done
+}
+start_again() {
+  local name
+  set_logs_aside
+  again='' stage=0 force='' hurry='' failure='' blame=''
+  LAB_LAUNCH=$(((SRANDOM << 31) ^ SRANDOM))
+  now
+  note "everybody starts again"
+  for name in "${names[@]}"; do
+    restarts[$name]=$((${restarts[$name]:-0} + 1))
+    start "$name"
+  done
+  write_state
+}
+
 # One copy of what is too long; the processes append, so that they go on in the emptied file.
 rotate_logs() {
   local size file

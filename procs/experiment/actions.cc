@@ -67,7 +67,6 @@ std::string why_not(const Experiment& e, const rbd::Model& model, const Action& 
   if (action.verb == "push") return push_fault(model, action);
   if (action.verb == "set") return set_fault(e, model, action);
   if (action.verb == "estop" || action.verb == "rearm") return "";
-  if (action.verb == "reset") return "a run cannot be reset; stop it and start another";
   return "there is no action '" + action.verb + "'";
 }
 

@@ -46,6 +46,7 @@ class Guest {
     if (!options.run.empty()) guard_.set_run(run_ = static_cast<int64_t>(std::stoull(options.run, nullptr, 16)));
   }
   int64_t run() const { return run_; }
+  void bind(int64_t run) { guard_.set_run(run_ = run); }
 
   /// Sends what `message` makes every 100 ms until `take` is content with something heard; false when the time is over.
   bool ask(Channel channel, const Bytes& message, const std::function<bool(Channel, std::span<const uint8_t>)>& take) {
@@ -70,6 +71,16 @@ class Guest {
   int64_t run_ = 0;
   std::unique_ptr<Bus> bus_;
 };
+
+/// Binds the guest to the run that is here: a reset that its answer is lost to shall not be obeyed by the next run too.
+bool bind_to_run(Guest& guest) {
+  need_t need{};
+  need.run = guest.run(), need.step = kBeforeStart, need.process = kSimulator, need.sender = "lab-send";
+  return guest.ask(Channel::Need, encode(need), [&](Channel channel, std::span<const uint8_t> bytes) {
+    if (channel == Channel::Run) guest.bind(decode<run_t>(bytes).run);
+    return channel == Channel::Run;
+  });
+}
 
 /// Who follows whom on the robot of a run.
 std::map<std::string, std::string> followers_of(const run_t& run) {
@@ -125,6 +136,12 @@ int request(Guest& guest, const Options& options, const Action& action) {
   return reply->ok ? kOk : kTransport;
 }
 
+int nobody(const Options& options) {
+  if (interrupted) return 128 + interrupted;
+  fmt::print(stderr, "lab-send: no simulator answers in {:g} s; is a lab running here?\n", options.timeout);
+  return kTransport;
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Asks the simulator of a running lab for something, and says what it answered."};
   app.require_subcommand(1);
@@ -161,7 +178,7 @@ int run(int argc, char** argv) {
   verb("rearm", "Lets the controller drive again.", "rearm");
   verb("pause", "Freezes time.", "pause");
   verb("resume", "Lets time go on.", "resume");
-  verb("reset", "Starts the run anew (refused: stop it and start another).", "reset");
+  verb("reset", "Ends the run and starts a new one (real time).", "reset");
   CLI::App* step_verb = verb("step", "Takes some steps while paused.", "step 10");
   step_verb->add_option("count", count, "steps (default 1)");
   for (CLI::App* sub : {goal_verb, push_verb, step_verb}) sub->positionals_at_end(false);
@@ -181,12 +198,10 @@ int run(int argc, char** argv) {
       if (name == "goal" && names_joints(words)) {
         run_t known{};
         std::vector<double> current;
-        if (!learn(guest, known, current)) {
-          fmt::print(stderr, "lab-send: no simulator answers in {:g} s; is a lab running here?\n", options.timeout);
-          return int{kTransport};
-        }
+        if (!learn(guest, known, current)) return nobody(options);
         return request(guest, options, goal(words, duration, known.joint_names, current, followers_of(known)));
       }
+      if (name == "reset" && !bind_to_run(guest)) return nobody(options);
       if (name == "goal") return request(guest, options, goal(words, duration));
       if (name == "set") return request(guest, options, set(target, assignment));
       if (name == "push") return request(guest, options, push(target, words, seconds));

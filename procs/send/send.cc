@@ -99,6 +99,7 @@ std::string told(const Action& action, const reply_t& reply) {
   if (!reply.ok) return fmt::format("{} refused: {}", action.verb, reply.reason);
   if (action.verb == "pause") return fmt::format("paused before step {}", reply.step);
   if (action.verb == "resume") return fmt::format("goes on with step {}", reply.step);
+  if (action.verb == "reset") return fmt::format("run {:016x} ends with step {}, a new one starts", static_cast<uint64_t>(reply.run), reply.step);
   if (action.verb == "step") return fmt::format("{} steps from step {}", action.values[0], reply.step);
   return fmt::format("{} accepted, from step {}", action.verb, reply.step);
 }

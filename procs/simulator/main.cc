@@ -28,7 +28,8 @@ int main(int argc, char** argv) {
     const lab::Robot robot = lab::load_robot(experiment);
     lab::Participant participant(options);
     const auto role = lab::simulator::make_role(experiment, robot, lab::launch_nonce(), participant.publish());
-    const int code = participant.run(*role);
+    int code = participant.run(*role);
+    if (code == lab::kOk && role->again()) code = lab::kAgain;
     const double seconds = static_cast<double>(role->running_time()) * 1e-6;
     if (role->step() > 0 && seconds > 0)
       fmt::print("{} steps in {:.6f} s, {:.0f} steps/s\n", role->step(), seconds, static_cast<double>(role->step()) / seconds);

@@ -35,9 +35,11 @@ std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& rob
   config.deadline = std::llround(experiment.deadline * 1e6), config.ready_deadline = std::llround(experiment.ready * 1e6);
   config.why_not = [experiment, model = robot.model](const Action& action) { return why_not(experiment, model, action); };
   if (experiment.simulator.clock == "realtime") {
+    if (nonce == 0) config.no_reset = "this simulator has no supervisor (scripts/lab up) that would start the next run";
     config.wall_offset = wall_now() - monotonic_now();
     return std::make_unique<Ticker>(std::move(config), advance, std::move(publish));
   }
+  config.no_reset = "in lockstep a run is not reset, it would only be the same again: end it and start another";
   return std::make_unique<Sequencer>(std::move(config), advance, std::move(publish));
 }
 

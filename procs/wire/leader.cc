@@ -97,6 +97,10 @@ void Leader::on_request(const request_t& request, Micros now) {
   } else if (action.verb == "step") {
     if (!paused_) refuse("the run is not paused");
     else single_steps_ += action.values.empty() ? 1 : std::max<int64_t>(0, static_cast<int64_t>(action.values[0]));
+  } else if (action.verb == "reset") {
+    again_ = config_.no_reset.empty();
+    if (again_) on_reset(request.sender);
+    else refuse(config_.no_reset);
   } else if (const std::string why = config_.why_not ? config_.why_not(action) : ""; !why.empty()) {
     refuse(why);
   } else {

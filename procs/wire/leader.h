@@ -27,6 +27,7 @@ struct LeaderConfig {
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
   /// Why an action that a person asks for is impossible; empty = it is not. May be null.
   std::function<std::string(const Action&)> why_not{};
+  std::string no_reset{};  ///< why a person's `reset` is refused; empty: this run ends, and whoever started us starts the next
 };
 
 /// What one step of the simulator gives.
@@ -59,6 +60,8 @@ class Leader : public Role {
   int nv() const override { return config_.nv; }
   /// us from the first ROBOT_STATE to END.
   Micros running_time() const { return ended_at_ - started_at_; }
+  /// True if a person asked for a new run: this one ends for that.
+  bool again() const { return again_; }
 
  protected:
   enum class Phase { Gathering, Running, Ending, Over };
@@ -69,6 +72,7 @@ class Leader : public Role {
   virtual void on_need(int64_t step, Micros now) = 0;
   virtual void on_input(int64_t step, const Bytes& input) = 0;  ///< keeps it for who asks again
   virtual void on_resume(Micros) {}
+  virtual void on_reset(const std::string& /*sender*/) {}       ///< makes the run end soon
   virtual void begin(Micros now) = 0;                           ///< all are READY: step 0
   virtual void go_on(Micros now) = 0;                           ///< does the steps that can be done now
   virtual Micros next_look() const = 0;                         ///< while running
@@ -91,6 +95,7 @@ class Leader : public Role {
   int64_t input_seq_ = 0, input_step_ = 0;
   std::vector<Action> actions_;  ///< of the INPUTs for the next step
   bool paused_ = false;
+  bool again_ = false;
   int64_t single_steps_ = 0;  ///< steps that a paused run may still take
   std::string mode_ = "RUNNING";
   Silence silence_;

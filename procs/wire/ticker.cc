@@ -34,6 +34,13 @@ void Ticker::on_need(int64_t step, Micros) {
   if (!end_.empty()) publish_(Channel::End, end_);
 }
 
+/// One step more, so that the log says why it ends.
+void Ticker::on_reset(const std::string& sender) {
+  noticed_.push_back({"reset", sender, "asked for a new run"});
+  last_step_ = std::min(last_step_, published_ + 1);
+  paused_ = false;
+}
+
 void Ticker::begin(Micros now) {
   grid_start_ = now;
   take_step(now);

@@ -27,6 +27,7 @@ class Ticker : public Leader {
   void on_need(int64_t step, Micros now) override;
   void on_input(int64_t, const Bytes& input) override { inputs_.push_back(input); }
   void on_resume(Micros now) override { start_grid(now); }
+  void on_reset(const std::string& sender) override;
   void begin(Micros now) override;
   void go_on(Micros now) override;
   Micros next_look() const override { return due(published_ + 1); }

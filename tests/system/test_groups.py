@@ -144,6 +144,31 @@ def test_a_simulator_that_comes_back_brings_a_new_run(runs, tmp_path):
     assert len(set(logs)) == 2, "two runs, two logs"
 
 
+def test_a_reset_is_a_new_run_and_the_old_log_stays(runs, tmp_path):
+    ok(call(runs, "up", "-d", "--set", "logger.every=1", *PATIENT))
+    ok(call(runs, "wait", "--ready"))
+    folder = runs / "live"
+    before = state(folder)["simulator"]
+    ok(call(runs, "goal", "joint2_shoulder=0.4", "--duration", "0.5"))
+    ended = json.loads(ok(call(runs, "reset", "--json")))
+    status, pid, restarts = state(folder)["simulator"]
+    assert (status, restarts) == ("running", before[2] + 1) and pid != before[1]
+    ok(call(runs, "goal", "joint2_shoulder=0.1", "--duration", "0.5"))
+    assert "starts" in ok(call(runs, "reset"))
+    ok(call(runs, "down"))
+    types = lab.generated_types(tmp_path / "types")
+    ids = []
+    for n, name in enumerate(["log-1.lcm", "log-2.lcm", "log.lcm"]):
+        kept = list(lab.events(folder / name))
+        ids.append(lab.header(kept[0][1])[1])
+        assert kept[0][0] == "RUN" and kept[-1][0] == "END" and {lab.header(d)[1] for _, d in kept} == {ids[-1]}
+        first = next(types.robot_state_t.decode(d) for c, d in kept if c == "ROBOT_STATE")
+        assert first.step == 0 and not any(first.q), "from the experiment's first state"
+        resets = [types.event_t.decode(d) for c, d in kept if c == "EVENT" and types.event_t.decode(d).what == "reset"]
+        assert len(resets) == (n < 2) and all(e.step == types.end_t.decode(kept[-1][1]).step for e in resets)
+    assert len(set(ids)) == 3 and f"{ids[0] % 2**64:016x}" == ended["run"]
+
+
 @pytest.mark.parametrize("clock", ["lockstep", "realtime"])
 def test_a_python_controller_takes_the_place_by_one_line(runs, tmp_path, clock):
     python = lab.BUILD / "pyenv" / "bin" / "python"

@@ -60,7 +60,7 @@ def test_pause_step_resume_and_live_gains_in_lockstep(tmp_path):
         assert "accepted, from step" in ok(send(run, "set", "controller", "kp=80"))
         for words, why in [(["set", "controller", "kq=1"], "has no 'kq'"), (["set", "controller", "kp=1,2"], "needed 1 or 3"),
                            (["goal", "1", "2"], "needed 3"), (["goal", "100", "0", "0"], "its limits are"),
-                           (["push", "nowhere", "1", "2", "3"], "no frame 'nowhere'")]:
+                           (["reset"], "in lockstep"), (["push", "nowhere", "1", "2", "3"], "no frame 'nowhere'")]:
             done = send(run, *words)
             assert done.returncode == 7 and why in done.stderr, done.stderr
         done = send(run, "goal", "1", "x", "2")

@@ -21,12 +21,13 @@ namespace {
 constexpr Micros kDt = 1000;
 
 struct World {
-  World() {
+  explicit World(const std::string& no_reset = "") {
     run_t run{};
     run.run = 77, run.step = -1, run.nq = run.nv = run.njoints = 1, run.joint_names = {"a"};
     LeaderConfig config;
     config.run = encode(run), config.run_id = 77, config.model_hash = 5, config.nq = config.nv = 1;
     config.dt = 1e-3, config.last_step = 100'000, config.wall_offset = 5'000'000;
+    config.no_reset = no_reset;
     config.why_not = [](const Action& action) { return action.verb == "set" ? "" : "no such action"; };
     ticker = std::make_unique<Ticker>(config, [this](int64_t step, const Command* command, std::span<const Action>) {
       used.push_back(command ? command->state_step : -1);
@@ -135,6 +136,36 @@ TEST(Ticker, RequestsAreExecutedOnceAndInputsCanBeAskedForAgain) {
   }(), w.now);
   EXPECT_EQ(w.count(Channel::Input), 2);
   EXPECT_EQ(w.count(Channel::Run), 2);
+}
+
+TEST(Ticker, AResetEndsTheRunWithAWordAboutIt) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  EXPECT_TRUE(w.request("pause", 1).ok);
+  const reply_t reply = w.request("reset", 2);
+  EXPECT_TRUE(reply.ok);
+  EXPECT_EQ(reply.step, 11);
+  EXPECT_TRUE(w.ticker->again());
+  w.run_to(w.now + 200 * kDt);
+  const auto event = decode<event_t>(w.last(Channel::Event));
+  EXPECT_EQ(event.what, "reset");
+  EXPECT_EQ(event.who, "me");
+  const auto end = decode<end_t>(w.last(Channel::End));
+  EXPECT_EQ(end.step, 11);
+  EXPECT_FALSE(end.aborted);
+  EXPECT_TRUE(w.request("reset", 2).ok) << "asked again, answered again";
+  EXPECT_FALSE(w.request("goal", 3).ok) << "the run is ending";
+}
+
+TEST(Ticker, AResetThatNobodyWouldFollowIsRefused) {
+  World w("no supervisor");
+  w.run_to(1'000'000 + 10 * kDt);
+  const reply_t reply = w.request("reset", 1);
+  EXPECT_FALSE(reply.ok);
+  EXPECT_EQ(reply.reason, "no supervisor");
+  w.run_to(w.now + 20 * kDt);
+  EXPECT_EQ(w.ticker->step(), 30) << "the run goes on";
+  EXPECT_FALSE(w.ticker->again());
 }
 
 TEST(Ticker, AFloodOfBadCommandsGetsOneEventInAHundredSteps) {
