@@ -162,6 +162,7 @@ void Recorder::finish() {
 void Recorder::tick(Micros now) try {
   if (outcome_.ended) return;
   silence_.look(now);
+  if (last_word_ != 0 && (closed_ || now >= last_word_)) return stop(now);
   if (now >= next_ack_) {
     next_ack_ = now + kRepeat;
     if (run_ != 0 && !closed_) flush();
@@ -188,7 +189,11 @@ void Recorder::tick(Micros now) try {
 
 Micros Recorder::wake() const { return closed_ || (run_ != 0 && setup_.realtime) ? next_ack_ : std::min(patience_.due(), next_ack_); }
 
-void Recorder::stop(Micros) try {
+void Recorder::stop(Micros now) try {
+  if (end_ && !closed_ && last_word_ == 0) {  // the end has been said: what is missing of it may still come
+    last_word_ = now + kLastWord;
+    return;
+  }
   if (run_ != 0) finish();
   outcome_.ended = true;
 } catch (const std::exception& error) {

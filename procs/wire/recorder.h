@@ -84,6 +84,8 @@ class Recorder : public Role {
   std::optional<end_t> end_;
   Bytes end_bytes_;
   bool closed_ = false;
+  static constexpr Micros kLastWord = 1'000'000;
+  Micros last_word_ = 0;  ///< asked to stop while the end is being written: until then; 0 = not asked
   Patience patience_;
   Micros next_ack_ = 0;
   Silence silence_;

@@ -157,20 +157,20 @@ TEST(Procfile, ListsTheProcessesOfARun) {
   Experiment e = arm3();
   EXPECT_EQ(procfile(e, "runs/a b"),
             "#lab: simulator required=yes restart=never\n"
-            "simulator: lab-simulator --experiment 'runs/a b/experiment.yaml' --run-dir 'runs/a b'\n"
+            "simulator: exec lab-simulator --experiment 'runs/a b/experiment.yaml' --run-dir 'runs/a b'\n"
             "#lab: planner required=yes restart=never\n"
-            "planner: lab-planner --run-dir 'runs/a b'\n"
+            "planner: exec lab-planner --run-dir 'runs/a b'\n"
             "#lab: controller required=yes restart=never\n"
-            "controller: lab-controller --run-dir 'runs/a b'\n"
+            "controller: exec lab-controller --run-dir 'runs/a b'\n"
             "#lab: logger required=yes restart=never\n"
-            "logger: lab-logger --run-dir 'runs/a b'\n"
+            "logger: exec lab-logger --run-dir 'runs/a b'\n"
             "#lab: renderer required=no restart=never\n"
-            "renderer: lab-renderer --run-dir 'runs/a b'\n");
+            "renderer: exec lab-renderer --run-dir 'runs/a b'\n");
   e = arm3({"renderer.enabled=false", "processes.controller=python3 my.py {run_dir}",
             "processes.extra=lab-spy", "faults.drop=5", "seed=7"});
   const std::string text = procfile(e, "r");
-  EXPECT_NE(text.find("controller: env LAB_FAULT_DROP=5,7 python3 my.py r\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("extra: env LAB_FAULT_DROP=5,7 lab-spy\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("controller: export LAB_FAULT_DROP=5,7; python3 my.py r\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("extra: export LAB_FAULT_DROP=5,7; lab-spy\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("renderer"), std::string::npos) << text;
 }
 
