@@ -150,12 +150,12 @@ int write_manifest(Options options) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Looks at experiments and at what came of them.");
+  CLI::App app("Looks at experiments and at what came of them.", "lab-experiment");
   app.require_subcommand(1);
   app.set_version_flag("--version", LAB_VERSION);
   app.footer(
       "Exit codes: 0 ok, 1 a verdict failed, 2 usage, 3 bad experiment, robot or file.\n"
-      "Example: lab-experiment check experiments/cubic_pd.yaml --set controller.kp=80");
+      "example: lab-experiment check experiments/cubic_pd.yaml --set controller.kp=80");
   Options o;
   const auto file = [&](CLI::App* verb) { verb->add_option("experiment", o.file, "YAML file")->required(); };
   const auto set = [&](CLI::App* verb) {
@@ -171,14 +171,14 @@ int run(int argc, char** argv) {
       app.add_subcommand("check", "Says what is wrong with experiments; warnings go to stderr.");
   check->add_option("experiments", o.files, "YAML files")->required();
   set(check), as_json(check);
-  check->footer("Example: lab-experiment check experiments/*.yaml");
+  check->footer("example: lab-experiment check experiments/*.yaml");
 
   CLI::App* resolve =
       app.add_subcommand("resolve", "Checks an experiment and prints every key as it will run.");
   file(resolve), set(resolve);
   resolve->add_option("-o,--output", o.out, "file to write instead of printing");
   resolve->footer(
-      "Example: lab-experiment resolve experiments/cubic_pd.yaml --set simulator.dt=0.002 -o "
+      "example: lab-experiment resolve experiments/cubic_pd.yaml --set simulator.dt=0.002 -o "
       "experiment.yaml");
 
   CLI::App* processes = app.add_subcommand("processes", "Prints the Procfile of an experiment.");
@@ -188,12 +188,12 @@ int run(int argc, char** argv) {
   processes->add_option("--restart", o.restart, "policy of all but the simulator")
       ->check(CLI::IsMember({"never", "on-failure", "always"}))
       ->capture_default_str();
-  processes->footer("Example: lab-experiment processes runs/latest/experiment.yaml --run-dir runs/latest");
+  processes->footer("example: lab-experiment processes runs/latest/experiment.yaml --run-dir runs/latest");
 
   CLI::App* evaluate =
       app.add_subcommand("evaluate", "Reads RUN/log.lcm, writes RUN/metrics.json; exit code = verdict.");
   run_dir(evaluate), as_json(evaluate);
-  evaluate->footer("Example: lab-experiment evaluate runs/latest");
+  evaluate->footer("example: lab-experiment evaluate runs/latest");
 
   CLI::App* manifest =
       app.add_subcommand("manifest", "Writes RUN/manifest.json: versions, hashes, host, times, exit codes.");
@@ -202,9 +202,10 @@ int run(int argc, char** argv) {
   manifest->add_option("--started", o.launch.started, "UTC, ISO 8601");
   manifest->add_option("--ended", o.launch.ended, "UTC, ISO 8601");
   manifest->add_option("--wall", o.launch.wall_seconds, "seconds the run took");
-  manifest->footer("Example: lab-experiment manifest runs/latest --exit simulator=0 --wall 3.2");
+  manifest->footer("example: lab-experiment manifest runs/latest --exit simulator=0 --wall 3.2");
 
   CLI::App* keys = app.add_subcommand("keys", "Prints the table of all keys (Markdown).");
+  keys->footer("example: lab-experiment keys");
 
   try {
     app.parse(argc, argv);

@@ -7,7 +7,7 @@
 #include "procs/run/shell.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"The logger of a lab: writes log.lcm, whose bytes are what the simulator used, and telemetry.lcm."};
+  CLI::App app{"The logger of a lab: writes log.lcm, whose bytes are what the simulator used, and telemetry.lcm.", "lab-logger"};
   app.footer("example: lab-logger --run-dir runs/latest");
   lab::ParticipantOptions options{.name = lab::kLogger, .url = "", .prefix = "", .channels = {}};
   std::string run_dir;

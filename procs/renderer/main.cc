@@ -29,7 +29,7 @@ std::vector<double> numbers(const std::string& text) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Draws the robot of a run: live beside it (--run-dir), or afterwards from a log or a run's folder."};
+  CLI::App app{"Draws the robot of a run: live beside it (--run-dir), or afterwards from a log or a run's folder.", "lab-renderer"};
   app.footer("example: lab-renderer runs/latest --times 0,1.5 --size 1280x720 --quality fine -o pictures");
   lab::ParticipantOptions options{.name = "renderer", .url = "", .prefix = "", .channels = {lab::Channel::Run, lab::Channel::RobotState, lab::Channel::End}};
   std::string run_dir, size, times;

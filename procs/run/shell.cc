@@ -26,7 +26,7 @@ int guarded_main(const std::string& program, const std::function<int()>& work) {
 
 int follower_main(int argc, char** argv, const std::string& name,
                   const std::function<std::unique_ptr<Role>(FollowerConfig, Publish)>& make_role) {
-  CLI::App app{fmt::format("The {} of a lab: waits for RUN on the bus and follows the simulator to the end.", name)};
+  CLI::App app{fmt::format("The {} of a lab: waits for RUN on the bus and follows the simulator to the end.", name), "lab-" + name};
   app.footer(fmt::format("example: lab-{} --run-dir runs/latest", name));
   ParticipantOptions options{.name = name, .url = "", .prefix = "", .channels = {Channel::Run, Channel::RobotState, Channel::Input, Channel::Need, Channel::End, Channel::Process}};
   if (name == kController) options.channels.push_back(Channel::Reference);

@@ -143,9 +143,9 @@ int nobody(const Options& options) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Asks the simulator of a running lab for something, and says what it answered."};
+  CLI::App app{"Asks the simulator of a running lab for something, and says what it answered.", "lab-send"};
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 done, 2 usage, 7 refused or not confirmed.\nExample: lab-send goal 0.1 -0.4 0.8 0 0.2 0 --duration 2");
+  app.footer("Exit codes: 0 done, 2 usage, 7 refused or not confirmed.\nexample: lab-send goal 0.1 -0.4 0.8 0 0.2 0 --duration 2");
   Options options;
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
@@ -161,7 +161,7 @@ int run(int argc, char** argv) {
   int64_t count = 1;
   const auto verb = [&](const char* name, const char* what, const char* example) {
     CLI::App* sub = app.add_subcommand(name, what);
-    sub->footer(std::string("Example: lab-send ") + example);
+    sub->footer(std::string("example: lab-send ") + example);
     return sub;
   };
   CLI::App* goal_verb = verb("goal", "Moves the reference to a configuration, from where it is, without a jump.", "goal elbow=0.5 --duration 2");

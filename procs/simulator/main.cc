@@ -8,7 +8,7 @@
 #include "procs/wire/lateness.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"The simulator of a lab: publishes RUN, waits for the other processes, and leads the run step by step."};
+  CLI::App app{"The simulator of a lab: publishes RUN, waits for the other processes, and leads the run step by step.", "lab-simulator"};
   app.footer("example: lab-simulator --experiment runs/latest/experiment.yaml");
   lab::ParticipantOptions options{.name = lab::kSimulator, .url = "", .prefix = "", .channels = {lab::Channel::Reference, lab::Channel::Command, lab::Channel::Event, lab::Channel::Ack,
                                                             lab::Channel::Need, lab::Channel::Process, lab::Channel::Request}};

@@ -14,7 +14,7 @@ volatile sig_atomic_t interrupted = 0;
 }
 
 int main(int argc, char** argv) {
-  CLI::App app{"Runs an experiment in one process, without a bus: log.lcm gets the same bytes as from separate processes."};
+  CLI::App app{"Runs an experiment in one process, without a bus: log.lcm gets the same bytes as from separate processes.", "lab-solo"};
   app.footer("example: lab-solo experiments/cubic_pd.yaml --run-dir /tmp/run");
   std::string experiment_file, run_dir;
   std::vector<std::string> overrides;

@@ -197,29 +197,29 @@ int who(const Options& options) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Shows what is said on an LCM bus, decoded at run time."};
+  CLI::App app{"Shows what is said on an LCM bus, decoded at run time.", "lab-spy"};
   app.require_subcommand(1);
   app.fallthrough();
-  app.footer("Types: the lab's own, those of --types, and those that TYPE messages bring.\nExample: lab-spy echo ROBOT_STATE --once");
+  app.footer("Types: the lab's own, those of --types, and those that TYPE messages bring.\nexample: lab-spy echo ROBOT_STATE --once");
   Options options;
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--types", options.types, "folder with .lcm files");
   app.add_flag("--json", options.as_json, "print JSON");
   const auto span = [&](CLI::App* verb) { verb->add_option("--for", options.seconds, "s to listen (default 1)")->check(CLI::PositiveNumber); };
   CLI::App* list_verb = app.add_subcommand("list", "Lists the channels: type, count, rate, bytes, periods, senders, losses.");
-  span(list_verb), list_verb->footer("Example: lab-spy list --for 2");
+  span(list_verb), list_verb->footer("example: lab-spy list --for 2");
   CLI::App* hz_verb = app.add_subcommand("hz", "The same for some channels.");
   hz_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'");
-  span(hz_verb), hz_verb->footer("Example: lab-spy hz COMMAND");
+  span(hz_verb), hz_verb->footer("example: lab-spy hz COMMAND");
   CLI::App* echo_verb = app.add_subcommand("echo", "Prints messages.");
   echo_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'")->required();
   echo_verb->add_flag("--once", options.once, "one message, then end");
   echo_verb->add_option("-n", options.count, "so many messages, then end")->check(CLI::PositiveNumber);
   echo_verb->add_option("--field", options.fields, "only this value, such as q[0]; may be repeated")->allow_extra_args(false);
   echo_verb->add_option("--timeout", options.timeout, "s, then end; 124 if nothing came")->check(CLI::PositiveNumber);
-  echo_verb->footer("Example: lab-spy echo ROBOT_STATE --field q[0] -n 10");
+  echo_verb->footer("example: lab-spy echo ROBOT_STATE --field q[0] -n 10");
   CLI::App* who_verb = app.add_subcommand("who", "Lists the processes that are alive, by their PROCESS messages.");
-  span(who_verb), who_verb->footer("Example: lab-spy who --for 0.3");
+  span(who_verb), who_verb->footer("example: lab-spy who --for 0.3");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

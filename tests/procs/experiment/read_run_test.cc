@@ -147,7 +147,7 @@ TEST_F(Folder, FaultsAreOneLineAndTheRightExitCode) {
   EXPECT_EQ(call("frobnicate"), 2);
   EXPECT_EQ(call(""), 2);
   EXPECT_EQ(call("--help"), 0);
-  EXPECT_NE(out_.find("Example: lab-experiment check"), std::string::npos);
+  EXPECT_NE(out_.find("example: lab-experiment check"), std::string::npos);
 }
 
 // a resolved experiment stands alone: it runs the same from another folder
