@@ -55,9 +55,11 @@ def test_verbs(verb):
     text = help_of(lab.LAB, name)
     assert text.startswith(f"lab {name}: ") and f"\nusage: lab {name}" in text
     examples = re.findall(r"^example: (.*)$", text, re.M)
-    assert len(examples) == 1 and examples[0].startswith(f"scripts/lab {name}")
-    own = re.split(r"&&|\||;", examples[0])[0]  # what is piped on is somebody else's
-    for option in re.findall(r"(?<=\s)--?[a-z][a-z-]*", own.partition(" -- ")[0]):
+    for below in re.findall(rf"lab {name} ([a-z]+) --help", text):
+        text += help_of(lab.LAB, name, below)
+    assert examples and all(example.startswith(f"scripts/lab {name}") for example in examples)
+    own = [re.split(r"&&|\||;| -- ", example)[0] for example in examples]  # what is piped on is somebody else's
+    for option in re.findall(r"(?<=\s)--?[a-z][a-z-]*", " ".join(own)):
         assert len(re.findall(rf"(?<![a-z-]){re.escape(option)}(?![a-z-])", text)) > 1, f"{option} of the example is explained nowhere"
 
 

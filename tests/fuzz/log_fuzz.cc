@@ -1,0 +1,51 @@
+// Whatever bytes a log file holds: the reader ends, gives only what is there, in order, and counts the rest as skipped.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <string>
+
+#include "procs/wire/log_reader.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace lab::fuzz {
+namespace {
+
+void put(std::vector<uint8_t>& out, uint64_t value, int bytes) {
+  for (int i = bytes - 1; i >= 0; --i) out.push_back(static_cast<uint8_t>(value >> 8 * i));
+}
+
+}  // namespace
+
+std::vector<std::vector<uint8_t>> seeds() {
+  std::vector<std::vector<uint8_t>> all(2);
+  for (uint64_t number = 0; number < 5; ++number) {
+    const std::string channel = number % 2 ? "A" : "ROBOT_STATE";
+    std::vector<uint8_t>& log = all[1];
+    put(log, 0xEDA1DA01, 4), put(log, number, 8), put(log, 1000 * number, 8), put(log, channel.size(), 4), put(log, 7 * number, 4);
+    log.insert(log.end(), channel.begin(), channel.end());
+    log.resize(log.size() + 7 * number, 0xED);
+  }
+  return all;
+}
+
+}  // namespace lab::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+  using namespace lab;
+  const int file = memfd_create("log", 0);
+  fuzz::demand(file >= 0 && write(file, bytes, size) == static_cast<ssize_t>(size), "no memory file");
+  {
+    LogReader reader("/proc/self/fd/" + std::to_string(file));
+    uint64_t end = 0, given = 0, skipped = 0;
+    for (LogEvent event; reader.next(event);) {
+      fuzz::demand(event.offset >= end && event.size == 28 + event.channel.size() + event.data.size(), "an event out of order, or of another size");
+      end = event.offset + event.size, given += event.size;
+      fuzz::demand(end <= size, "an event beyond the end");
+      fuzz::demand(std::equal(event.data.begin(), event.data.end(), bytes + end - event.data.size()), "other bytes than in the file");
+    }
+    for (const auto& gap : reader.skipped()) skipped += gap.bytes;
+    fuzz::demand(given + skipped + reader.tail() == size, "bytes that are neither given, skipped nor left");
+  }
+  close(file);
+  return 0;
+}
