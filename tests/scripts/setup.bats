@@ -56,3 +56,15 @@ pretend() { # NAME LINE: a command of that name in front of the real one
   ! grep -vE '^ *(#|$)' "$list" | grep -vE '^[a-z0-9.+-]+$'
   [ -z "$(grep -vE '^ *(#|$)' "$list" | sort | uniq -d)" ]
 }
+
+@test "--full: what only the long tests need, too" {
+  printf 'bash\n# only for long tests\n#full: no-such-compiler\n' >"$LAB_PACKAGES"
+  pretend dpkg-query 'echo "ii  bash"'
+  pretend id 'echo 1000'
+  pretend sudo 'exit 1'
+  run "$LAB" setup
+  [ "$status" -eq 0 ]
+  run "$LAB" setup --full
+  [ "$status" -eq 2 ]
+  [[ $output == *"--no-install-recommends no-such-compiler"* ]]
+}
