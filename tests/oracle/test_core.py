@@ -4,8 +4,8 @@ All quantities, fixed and floating base, mimic joints free: pin has no mimic in 
 tested as mathematics: each quantity of the robot with mimic is that of pin's free robot, projected by the mimic map G.
 
 pin is linear first, ours angular first; its continuous joints have two numbers (cos, sin), ours one angle. Joints and frames
-are matched by name. Tolerance: |ours - pin| / max(1, |pin|) below 1e-9, entry by entry; where M is inverted, against the largest
-entry, and below 4 eps cond(M) where that is more (at least 15 robots must do without).
+are matched by name. Tolerance: |ours - pin| / max(1, |pin|) below 1e-9, entry by entry. What comes out of a solve with M may
+instead differ by 4 eps cond(M) of its largest entry; most robots must do without that.
 """
 import collections
 import json
@@ -27,8 +27,8 @@ TOLERANCE = 1e-9
 STATES = 3
 REFERENCES = {"WORLD": pin.WORLD, "LOCAL": pin.LOCAL, "LOCAL_WORLD_ALIGNED": pin.LOCAL_WORLD_ALIGNED}
 ANGULAR_FIRST = np.r_[3:6, 0:3]
-# What comes out of a solve with M: rounding is amplified by cond(M) in any library. icub's neck gets to 5e8, where a Cholesky
-# solve, pin and we are all off by 1e-8 to 1e-7 of the acceleration that the efforts were made from.
+# Rounding is amplified by cond(M) in any library. icub's neck gets to 5e8: there a Cholesky solve, pin and we all miss the
+# acceleration that the efforts were made from by 1e-8 to 1e-7.
 WITH_SOLVE = ("Minv", "ddq", "ddq_dq", "ddq_dv")
 
 
@@ -156,25 +156,29 @@ def leaves(value, path=""):
 
 
 class Worst:
-    """The largest error over all quantities and states, as a part of what is allowed."""
+    """The largest error over all quantities and states, and the largest part of what is allowed that one uses."""
 
     def __init__(self):
-        self.part, self.error, self.what, self.compared, self.condition = 0.0, 0.0, "", set(), 1.0
+        self.part, self.error, self.what, self.compared, self.condition, self.exact = 0.0, 0.0, "", set(), 1.0, True
 
     def add(self, what, ours, theirs):
         assert ours.shape == theirs.shape, f"{what}: {ours.shape} and {theirs.shape}"
         self.compared.add(what.split(".")[0])
         if ours.size == 0:
             return
-        scale = np.maximum(1, np.max(np.abs(theirs)) if what in WITH_SOLVE else np.abs(theirs))
-        error = np.max(np.abs(ours - theirs) / scale)
-        part = error / max(TOLERANCE, 4 * np.finfo(float).eps * self.condition if what in WITH_SOLVE else 0)
-        if not part <= self.part:  # NaN counts as the worst
-            self.part, self.error, self.what = part, error, what
+        error = np.max(np.abs(ours - theirs) / np.maximum(1, np.abs(theirs)))
+        part = error / TOLERANCE
+        if not part < 1:  # NaN, too
+            self.exact = False
+            if what in WITH_SOLVE:
+                part = np.max(np.abs(ours - theirs)) / np.max(np.abs(theirs)) / (4 * np.finfo(float).eps * self.condition)
+                what += f" at cond(M) {self.condition:.0e}"
+        self.part = part if not part <= self.part else self.part
+        if not error <= self.error:
+            self.error, self.what = error, what
 
     def row(self, name, nv):
-        above = "" if self.error < TOLERANCE else f" at cond(M) {self.condition:.0e}"
-        return name, nv, self.what + above, f"{self.error:.1e}"
+        return name, nv, self.what, f"{self.error:.1e}"
 
 
 def compare(worst, ours, theirs, v):
@@ -267,12 +271,12 @@ def test_every_quantity_of_every_robot(base):
         for state, numbers in zip(states, ours["states"]):
             compare(worst, numbers, numbers_of_pin(layout, **state, names=names), state["v"])
         compared += 1
-        exact += worst.error < TOLERANCE
+        exact += worst.exact
         rows.append(worst.row(name, layout.nv))
         if not worst.part < 1:
             bad.append(rows[-1])
     table(f"{base} base: {compared} robots, {exact} of them below {TOLERANCE:g}; {len(worst.compared)} quantities ({', '.join(sorted(worst.compared))})", rows)
-    assert exact >= 15
+    assert exact >= 50
     assert not bad
 
 
