@@ -88,12 +88,13 @@ int eval(const Robot& robot) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Looks at a robot: what it is, what is wrong with its file, what its dynamics are."};
+  CLI::App app{"Looks at a robot: what it is, what is wrong with its file, what its dynamics are.",
+               "lab-model"};
   app.require_subcommand(1);
   app.footer(
       "A robot is a URDF file, package://.., builtin:manipulator or builtin:humanoid.\n"
       "Exit codes: 0 ok, 1 a state cannot be evaluated, 2 usage or bad input, 3 the robot is refused.\n"
-      "Example: lab-model info builtin:manipulator");
+      "example: lab-model info builtin:manipulator");
   Options o;
   const auto verb = [&](const char* name, const char* what, const char* example) {
     CLI::App* sub = app.add_subcommand(name, what);
@@ -102,7 +103,7 @@ int run(int argc, char** argv) {
     sub->add_flag("--no-mimic", o.no_mimic, "mimic joints are free");
     sub->add_option("--gravity", o.gravity, "x,y,z in m/s2 (default 0,0,-9.81)");
     sub->add_flag("--json", o.as_json, "print JSON");
-    sub->footer(std::string("Example: lab-model ") + example);
+    sub->footer(std::string("example: lab-model ") + example);
     return sub;
   };
   const auto robot = [&](CLI::App* sub) {

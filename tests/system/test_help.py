@@ -64,5 +64,5 @@ def test_verbs(verb):
 
 
 def test_every_program_is_of_the_contract():
-    for name in ("simulator", "planner", "controller", "logger", "renderer", "solo", "spy", "experiment", "send"):
+    for name in ("simulator", "planner", "controller", "logger", "renderer", "solo", "spy", "experiment", "send", "model"):
         assert f"lab-{name}" in PROGRAMS

@@ -174,7 +174,7 @@ TEST_F(Program, UsageErrorsAreTwoAndBadRobotsThree) {
   EXPECT_EQ(gravity.err, "lab-model: --gravity: '0,0' is not x,y,z in m/s2, such as 0,0,-9.81\n");
   for (const char* verb : {"info", "tree", "eval", "check"}) {
     EXPECT_EQ(run(std::string(verb) + " --help").code, 0);
-    EXPECT_NE(run(std::string(verb) + " --help").out.find("Example: lab-model "), std::string::npos);
+    EXPECT_NE(run(std::string(verb) + " --help").out.find("example: lab-model "), std::string::npos);
     const Result unknown = run(std::string(verb) + " builtin:arm");
     EXPECT_EQ(unknown.code, 3);
     EXPECT_EQ(unknown.err,
