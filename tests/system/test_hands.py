@@ -179,3 +179,15 @@ def test_goal_push_and_stop_in_real_time(tmp_path):
     events = [types.event_t.decode(d).what for c, d in lab.events(run.folder / "log.lcm") if c == "EVENT"]
     assert max(abs(a - b) for a, b in zip(states[-1].q, goal)) < 2e-3
     assert [e for e in events if e in ("estop", "rearm")] == ["estop", "rearm"] and [e for e in events if e in ("holding", "running")][-1] == "running"
+
+
+def test_a_goal_for_a_finger_that_follows_is_refused_by_name(tmp_path):
+    if subprocess.run([lab.LAB, "robots", "--path"], capture_output=True).returncode != 0:
+        pytest.skip("needs scripts/lab robots")
+    panda = str(lab.ROOT / "experiments" / "panda_reach.yaml")
+    with lab.Running(panda, tmp_path / "run", "--set", "renderer.enabled=false", "--set", "simulator.duration=600") as run:
+        run.wait_for_step(100)
+        refused = send(run, "goal", "panda_finger_joint2=0.01")
+        assert refused.returncode == 2
+        assert "goal: 'panda_finger_joint2' follows 'panda_finger_joint1'; give a goal for that one" in refused.stderr
+        ok(send(run, "goal", "panda_finger_joint1=0.01", "--duration", "1"))

@@ -1,4 +1,5 @@
 """The same experiment gives the same bytes, whatever happens around it."""
+import json
 import os
 import shutil
 import signal
@@ -31,6 +32,17 @@ def test_five_processes_write_what_solo_writes(quiet, tmp_path):
             "experiment.yaml"} <= names
     assert len(list((tmp_path / "run" / "frames").glob("*.png"))) == 11  # 0 to 2 s at 5 a second
     assert not list((tmp_path / "run").rglob("*.part"))
+
+
+def test_a_robot_whose_fingers_follow_each_other(tmp_path):
+    """The Panda: eight numbers for nine joints, in five processes as in one; both meet what it expects."""
+    if subprocess.run([lab.LAB, "robots", "--path"], capture_output=True).returncode != 0:
+        pytest.skip("needs scripts/lab robots")
+    file, plain = str(lab.ROOT / "experiments" / "panda_reach.yaml"), ("--set", "renderer.enabled=false")
+    wanted = lab.solo(file, tmp_path / "solo", *plain)
+    same_log(lab.run(file, tmp_path / "run", *plain), tmp_path / "run", wanted)
+    joints = json.loads((tmp_path / "run" / "metrics.json").read_text())["joints"]
+    assert [j["name"] for j in joints] == ["panda_joint%d" % i for i in range(1, 8)] + ["panda_finger_joint1"]
 
 
 @pytest.mark.parametrize("order", ["reversed", "controller,logger,simulator,planner", "logger,simulator"])

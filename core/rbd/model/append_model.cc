@@ -53,7 +53,7 @@ std::pair<Model, inner::CopyMap> append(const Model& model, const Model& other, 
   plan.frame = parentFrame;
   plan.prefix = prefix;
   Model both = model;
-  inner::CopyMap map = inner::copyModel(other, plan, both);
+  inner::CopyMap map = inner::copyModel(kName, other, plan, both);
   return {std::move(both), std::move(map)};
 }
 

@@ -174,6 +174,8 @@ JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3
   if (joint.kind() == JointKind::Fixed)
     fail("addJoint '" + joint_name + "': a fixed joint is a frame, use addFrame");
   if (existJointName(joint_name)) fail("addJoint: a joint '" + joint_name + "' exists already");
+  if (existFrame(joint_name, JOINT))
+    fail("addJoint: a frame '" + joint_name + "' of type JOINT exists already");
   requirePose("addJoint '" + joint_name + "'", placement);
   const int joint_nq = joint.kind_nq(), joint_nv = joint.kind_nv();
   const Bounds effort = bounds(joint_name, "effort", limits.lowerEffort, limits.upperEffort, joint_nv);

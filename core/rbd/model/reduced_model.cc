@@ -56,7 +56,7 @@ std::pair<Model, inner::CopyMap> reduce(const Model& model, const std::vector<Jo
   reduced.name = model.name;
   reduced.gravity = model.gravity;
   reduced.terms = model.terms;
-  inner::CopyMap map = inner::copyModel(model, plan, reduced);
+  inner::CopyMap map = inner::copyModel(kName, model, plan, reduced);
   return {std::move(reduced), std::move(map)};
 }
 

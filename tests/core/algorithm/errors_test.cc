@@ -57,9 +57,36 @@ TEST_F(Errors, SizesAreNamed) {
   EXPECT_SAYS("crba: output M is 6 x 5", crba(model, data, x, J));
 }
 
+// Vectors of the model that anybody may write.
+TEST_F(Errors, SizesOfTheModelsOwnVectors) {
+  Data data(model);
+  for (Eigen::VectorXd Model::*list :
+       {&Model::armature, &Model::rotorInertia, &Model::rotorGearRatio, &Model::damping, &Model::friction}) {
+    Model broken = model;
+    (broken.*list).setZero(3);
+    EXPECT_SAYS("has 3 entries, model 'manipulator' needs 6 (nv)", crba(broken, data, x));
+    EXPECT_SAYS("rnea: model.", rnea(broken, data, x, x, x));
+    EXPECT_SAYS("aba: model.", aba(broken, data, x, x, x));
+  }
+  Model broken = model;
+  broken.lowerPositionLimit.setZero(2);
+  EXPECT_SAYS("randomConfiguration: lower has 2", randomConfiguration(broken));
+}
+
 TEST_F(Errors, IndicesAreNamed) {
   Data data(model);
   forwardKinematics(model, data, x, x);
+  for (const FrameIndex frame : {-1, 13}) {
+    const std::string text =
+        "frame index " + std::to_string(frame) + " does not exist, model 'manipulator' has 13";
+    EXPECT_SAYS(text, updateFramePlacement(model, data, frame));
+    EXPECT_SAYS(text, getFrameJacobian(model, data, frame, WORLD));
+    EXPECT_SAYS(text, rnea(model, data, x, x, x, {{frame, Force(), LOCAL}}));
+    EXPECT_SAYS(text, aba(model, data, x, x, x, {{frame, Force(), LOCAL}}));
+  }
+  for (const JointIndex joint : {-1, 7})
+    EXPECT_SAYS("joint index " + std::to_string(joint) + " does not exist, model 'manipulator' has 7",
+                getVelocity(model, data, joint, LOCAL));
   EXPECT_SAYS("frame index 13 does not exist", getFrameVelocity(model, data, 13, WORLD));
   EXPECT_SAYS("joint index -1 does not exist", getJointJacobian(model, data, -1, WORLD));
 }
@@ -105,6 +132,50 @@ TEST_F(Errors, ZeroQuaternion) {
   EXPECT_SAYS("the quaternion of joint 'root_joint' (q[3] to q[6]) is zero",
               forwardKinematics(other, data, zero));
   EXPECT_SAYS("integrate: the quaternion", integrate(other, zero, v));
+}
+
+// Every kind that has a part of unit length, in every function that takes q.
+TEST(UnitParts, ZeroIsNamed) {
+  for (const bool planar : {false, true}) {
+    Model model;
+    model.addJoint(0, JointModelRX(), SE3(), "arm");
+    model.addJoint(1, planar ? JointModel(JointModelPlanar()) : JointModel(JointModelSpherical()), SE3(),
+                   "part");
+    model.appendBodyToJoint(1, Inertia::FromSphere(1, 0.1));
+    model.appendBodyToJoint(2, Inertia::FromSphere(1, 0.1));
+    Data data(model);
+    const Eigen::VectorXd q = Eigen::VectorXd::Zero(5), v = Eigen::VectorXd::Zero(4);
+    const std::string text = planar ? "the cosine and sine of joint 'part' (q[3] to q[4]) are zero"
+                                    : "the quaternion of joint 'part' (q[1] to q[4]) is zero";
+    EXPECT_SAYS("rnea: " + text, rnea(model, data, q, v, v));
+    EXPECT_SAYS("crba: " + text, crba(model, data, q));
+    EXPECT_SAYS("aba: " + text, aba(model, data, q, v, v));
+    EXPECT_SAYS("computeMinverse: " + text, computeMinverse(model, data, q));
+    EXPECT_SAYS("computeJointJacobians: " + text, computeJointJacobians(model, data, q));
+    EXPECT_SAYS("centerOfMass: " + text, centerOfMass(model, data, q));
+    EXPECT_SAYS("difference: " + text, difference(model, q, neutral(model)));
+    EXPECT_SAYS("distance: " + text, rbd::distance(model, neutral(model), q));
+    EXPECT_SAYS("dIntegrate: " + text, dIntegrate(model, q, v, ARG0));
+    Eigen::VectorXd out = q;
+    EXPECT_SAYS("normalize: " + text, normalize(model, out));
+  }
+}
+
+// The dof belongs to the leader, wherever its followers stand.
+TEST(Singular, FollowersAreNotBlamed) {
+  Model model;
+  model.addJoint(0, JointModelRX(), SE3(), "follower");
+  model.addJoint(1, JointModelRY(), SE3(), "empty");
+  model.addJoint(2, JointModelRZ(), SE3(), "leader");
+  model.appendBodyToJoint(3, Inertia::FromSphere(1, 0.1));
+  model.setMimic(1, 3);
+  model.setInertia(3, Inertia());
+  Data data(model);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(2);
+  model.armature << 0, 1;
+  EXPECT_SAYS("joint 'empty' moves is singular", aba(model, data, zero, zero, zero));
+  model.armature << 1, 0;
+  EXPECT_SAYS("joint 'leader' moves is singular", aba(model, data, zero, zero, zero));
 }
 
 TEST(Singular, MasslessTipIsNamed) {

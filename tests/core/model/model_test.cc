@@ -115,6 +115,89 @@ TEST(Model, RefusesAndStaysAsItWas) {
           [&] { model.addJoint(1, JointModelRX(), here, "x", -one, one, -one, one); });
 }
 
+TEST(Model, ChangesThatMakeNoSense) {
+  Model model = lessonArm();
+  const Model before = model;
+  const auto refuses = [&](const std::string& part, const std::function<void()>& call) {
+    const std::string text = errorOf(call);
+    EXPECT_NE(text.find(part), std::string::npos) << "wanted '" << part << "', got '" << text << "'";
+    EXPECT_EQ(model.nbodies, before.nbodies);
+    EXPECT_EQ(model.njoints, before.njoints);
+    EXPECT_EQ(model.nframes, before.nframes);
+    EXPECT_EQ(model.topology(), before.topology());
+  };
+  const SE3 here, nowhere(-Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero());
+  for (const JointIndex joint : {-1, 4}) {
+    const std::string text = "joint index " + std::to_string(joint) + " does not exist";
+    refuses("appendBodyToJoint: " + text, [&] { model.appendBodyToJoint(joint, Inertia()); });
+    refuses("setInertia: " + text, [&] { model.setInertia(joint, Inertia()); });
+    refuses("setJointPlacement: " + text, [&] { model.setJointPlacement(joint, here); });
+    refuses("addFrame: " + text, [&] { model.addFrame(Frame("x", joint, here, BODY)); });
+    refuses("setMimic: " + text, [&] { model.setMimic(1, joint); });
+    refuses("setMimic: " + text, [&] { model.setMimic(joint, 1); });
+  }
+  for (const FrameIndex frame : {-1, 5}) {
+    refuses("frame " + std::to_string(frame) + " does not exist",
+            [&] { model.setFramePlacement(frame, here); });
+    refuses("parent frame " + std::to_string(frame) + " does not exist",
+            [&] { model.addFrame(Frame("x", 1, frame, here, BODY)); });
+  }
+  // a reflection is no rotation
+  refuses("not a pose", [&] { model.setJointPlacement(1, nowhere); });
+  refuses("not a pose", [&] { model.setFramePlacement(1, nowhere); });
+  refuses("not a pose", [&] { model.appendBodyToJoint(1, Inertia(), nowhere); });
+  refuses("setMimic 'joint_2_shoulder' to 'universe'", [&] { model.setMimic(2, 0); });
+  EXPECT_THROW(model.frameId("nowhere"), std::out_of_range);
+  EXPECT_THROW(model.jointId("nowhere"), std::out_of_range);
+}
+
+// A frame that calls itself a joint's keeps its name, and the model stays whole.
+TEST(Model, JointFramesKeepTheirNames) {
+  Model model = lessonArm();
+  model.addFrame(Frame("wrist", 3, SE3(), JOINT));
+  EXPECT_EQ(errorOf([&] { model.addJoint(3, JointModelRX(), SE3(), "wrist"); }),
+            "addJoint: a frame 'wrist' of type JOINT exists already");
+  EXPECT_EQ(model.njoints, 4);
+  EXPECT_EQ(model.nq, 3);
+  EXPECT_EQ(static_cast<int>(model.joints.size()), model.njoints);
+}
+
+TEST(Model, JointsThatCannotBe) {
+  const double nan = std::nan("");
+  EXPECT_NE(errorOf([&] {
+              JointModelHelicalUnaligned({1, 0, 0}, nan);
+            }).find("pitch must be finite"),
+            std::string::npos);
+  EXPECT_NE(errorOf([&] {
+              JointModelUniversal({1, 0, 0}, {-2, 0, 0});
+            }).find("must not be parallel"),
+            std::string::npos);
+  EXPECT_NE(errorOf([&] {
+              JointModelPlanar({0, 0, 0});
+            }).find("axis must be finite and not zero"),
+            std::string::npos);
+  EXPECT_NE(errorOf([&] { JointModelContinuous(0, INFINITY, 0); }).find("axis"), std::string::npos);
+  EXPECT_NE(
+      errorOf([&] { Inertia(nan, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity()); }).find("finite"),
+      std::string::npos);
+  Eigen::Matrix3d skewed = Eigen::Matrix3d::Identity();
+  skewed(0, 1) = 0.5;
+  EXPECT_NE(errorOf([&] { Inertia(1, Eigen::Vector3d::Zero(), skewed); }).find("not symmetric"),
+            std::string::npos);
+  Model model;
+  JointLimits limits;
+  limits.lowerVelocity = Eigen::VectorXd::Constant(1, nan);
+  EXPECT_NE(errorOf([&] {
+              model.addJoint(0, JointModelRX(), SE3(), "x", limits);
+            }).find("addJoint 'x': lower velocity limit must not be nan"),
+            std::string::npos);
+  limits = {};
+  limits.upperPosition = Eigen::VectorXd::Ones(3);
+  EXPECT_EQ(errorOf([&] { model.addJoint(0, JointModelSpherical(), SE3(), "x", limits); }),
+            "addJoint 'x': upper position limit has 3 entries, the joint needs 4");
+  EXPECT_EQ(model.njoints, 1);
+}
+
 TEST(Model, LimitsAreKept) {
   Model model;
   const auto one = [](double x) { return Eigen::VectorXd::Constant(1, x); };

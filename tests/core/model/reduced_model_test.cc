@@ -307,6 +307,12 @@ TEST(ReducedModel, Refuses) {
               buildReducedModel(model, {2}, Eigen::VectorXd::Zero(37));
             }).find("buildReducedModel: the quaternion of joint 'root_joint'"),
             std::string::npos);
+  Model broken = model;
+  broken.friction.resize(3);
+  EXPECT_NE(errorOf([&] {
+              buildReducedModel(broken, {2}, q);
+            }).find("buildReducedModel: a vector of model 'humanoid' has 3 entries where 36 (nv)"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -8,12 +8,34 @@
 
 namespace rbd::inner {
 
+namespace {
+
+// The vectors of a model that users write themselves and the dynamics read.
+struct UserVector {
+  const char* name;
+  Eigen::VectorXd Model::*vector;
+};
+constexpr UserVector kUserVectors[] = {{"model.armature", &Model::armature},
+                                       {"model.rotorInertia", &Model::rotorInertia},
+                                       {"model.rotorGearRatio", &Model::rotorGearRatio},
+                                       {"model.damping", &Model::damping},
+                                       {"model.friction", &Model::friction}};
+
+}  // namespace
+
 bool fits(const Model& model, const Data& data) {
+  const Eigen::Index nv = model.nv;
   return !data.movedFrom() && data.work().topology == model.topology() &&
-         data.oMf.size() == static_cast<std::size_t>(model.nframes);
+         data.oMf.size() == static_cast<std::size_t>(model.nframes) && model.armature.size() == nv &&
+         model.rotorInertia.size() == nv && model.rotorGearRatio.size() == nv && model.damping.size() == nv &&
+         model.friction.size() == nv;
 }
 
 void failData(const char* function, const Model& model, const Data& data) {
+  for (const UserVector& x : kUserVectors) {
+    const Eigen::Index size = (model.*x.vector).size();
+    if (size != model.nv) failVector(function, x.name, nullptr, size, model.nv, "nv", model);
+  }
   std::ostringstream text;
   text << function << ": this Data was made for another model, or before model '" << model.name
        << "' was extended (Data: " << data.oMi.size() << " joints, " << data.oMf.size()
@@ -78,8 +100,9 @@ void failOrder(const char* function, const char* what) {
 }
 
 void failSingular(const char* function, const Model& model, int dof, double d) {
-  int joint = 1;
-  while (model.joints[joint].idx_v() + model.joints[joint].nv() <= dof) ++joint;
+  int joint = 1;  // the one that owns the dof: followers have none
+  while (dof < model.joints[joint].idx_v() || dof >= model.joints[joint].idx_v() + model.joints[joint].nv())
+    ++joint;
   std::ostringstream text;
   text << function << ": the inertia that joint '" << model.names[joint] << "' moves is singular (" << d
        << "); give its bodies mass and inertia, or the joint armature";

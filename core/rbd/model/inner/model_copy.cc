@@ -1,5 +1,7 @@
 #include "rbd/model/inner/model_copy.h"
 
+#include <stdexcept>
+
 namespace rbd::inner {
 namespace {
 
@@ -14,6 +16,18 @@ constexpr Eigen::VectorXd Model::*kPerV[] = {&Model::lowerVelocityLimit,
                                              &Model::rotorGearRatio,
                                              &Model::damping,
                                              &Model::friction};
+
+// Users may write these vectors; a wrong size would be read beyond its end.
+void requireSizes(const char* function, const Model& model) {
+  const auto require = [&](const Eigen::VectorXd& x, int needed, const char* what) {
+    if (x.size() == needed) return;
+    throw std::invalid_argument(std::string(function) + ": a vector of model '" + model.name + "' has " +
+                                std::to_string(x.size()) + " entries where " + std::to_string(needed) + " (" +
+                                what + ") are needed: limits, rotors, damping, friction");
+  };
+  for (const auto list : kPerQ) require(model.*list, model.nq, "nq");
+  for (const auto list : kPerV) require(model.*list, model.nv, "nv");
+}
 
 void copyNumbers(const Model& source, JointIndex from, Model& target, JointIndex to) {
   const JointModel &a = source.joints[from], &b = target.joints[to];
@@ -45,7 +59,9 @@ void copyBodies(const Model& source, const CopyMap& map, std::vector<Inertia> bo
 
 }  // namespace
 
-CopyMap copyModel(const Model& source, const CopyPlan& plan, Model& target) {
+CopyMap copyModel(const char* function, const Model& source, const CopyPlan& plan, Model& target) {
+  requireSizes(function, source);
+  requireSizes(function, target);
   CopyMap map;
   map.joint.assign(static_cast<std::size_t>(source.njoints), plan.joint);
   map.pose.assign(static_cast<std::size_t>(source.njoints), plan.pose);
