@@ -12,6 +12,7 @@
 #include "rbd/algorithm/derivatives.h"
 #include "rbd/algorithm/energy.h"
 #include "rbd/algorithm/external_wrench.h"
+#include "rbd/algorithm/inverse_kinematics.h"
 #include "rbd/algorithm/jacobian.h"
 #include "rbd/algorithm/kinematics.h"
 #include "rbd/algorithm/kinematics_derivatives.h"

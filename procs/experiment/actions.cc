@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "procs/experiment/cartesian.h"
 #include "procs/experiment/joints.h"
 
 namespace lab {
@@ -14,11 +15,16 @@ std::string count_fault(const Action& action, size_t wanted) {
 
 std::string goal_fault(const rbd::Model& model, const Action& action) {
   if (floats(model)) return "'" + model.name + "' floats; it takes no goals";
-  if (std::string fault = count_fault(action, model.nq); !fault.empty()) return fault + ", one for each joint";
-  for (int i = 0; i < model.nq; ++i) {
-    const double q = action.values[i], low = model.lowerPositionLimit[i], high = model.upperPositionLimit[i];
-    if (q < low || q > high)
-      return "goal of joint '" + joint_at(model, i) + "' is " + number(q) + ", its limits are " + number(low) + " .. " + number(high);
+  if (is_cartesian(action)) {
+    if (std::string fault = find_configuration(model, action, nullptr).fault; !fault.empty()) return fault;
+  } else if (std::string fault = count_fault(action, model.nq); !fault.empty()) {
+    return fault + ", one for each joint";
+  } else {
+    for (int i = 0; i < model.nq; ++i) {
+      const double q = action.values[i], low = model.lowerPositionLimit[i], high = model.upperPositionLimit[i];
+      if (q < low || q > high)
+        return "goal of joint '" + joint_at(model, i) + "' is " + number(q) + ", its limits are " + number(low) + " .. " + number(high);
+    }
   }
   if (action.key == "duration") {
     char* end = nullptr;

@@ -14,6 +14,7 @@ namespace lab {
 /// A named process takes what is addressed to it; of the rest the planner takes goals, the simulator
 /// everything else.
 inline bool is_for(const Action& action, std::string_view process) {
+  if (action.verb == "goal") return process == "planner";  // its target is a frame
   for (std::string_view named : {"simulator", "planner", "controller"})
     if (action.target == named) return process == named;
   return process == (action.verb == "goal" ? "planner" : "simulator");

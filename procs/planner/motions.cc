@@ -155,6 +155,7 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   config.speed = e.planner.speed;
   config.nv = model.nv;
   config.floating = floats(model);
+  config.model = model;
   config.q_min = model.lowerPositionLimit, config.q_max = model.upperPositionLimit;
   config.v_max.resize(model.nv);
   for (int i = 0; i < model.nv; ++i) config.v_max[i] = std::isfinite(model.upperVelocityLimit[i]) && model.upperVelocityLimit[i] > 0 ? model.upperVelocityLimit[i] : 1;

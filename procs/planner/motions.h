@@ -35,6 +35,7 @@ struct Config {
   double speed = 0.5;   ///< share of v_max that ways of our own choice use
   int nv = 0;
   bool floating = false;
+  rbd::Model model;     ///< for goals of frames
   Eigen::VectorXd v_max;                                ///< nv: rad/s, m/s; 1 where the model has no limit
   Eigen::VectorXd q_min, q_max;                         ///< nq
   Eigen::VectorXd q0, goal;                             ///< nq

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "procs/experiment/actions.h"
+#include "procs/experiment/cartesian.h"
 
 namespace lab::planner {
 namespace {
@@ -124,11 +125,17 @@ std::string take_way(const Config& c, State& s, int64_t step, double T, bool pat
 /// Takes a goal; empty, or why not.
 std::string go(const Config& c, State& s, const Action& action, int64_t step, const Reference& from) {
   if (c.floating) return "a floating robot takes no goals";
-  if (action.values.size() != static_cast<size_t>(c.q0.size()))
-    return "has " + std::to_string(action.values.size()) + " values, needed " + std::to_string(c.q0.size());
   const double asked = action.key == "duration" ? std::strtod(action.text.c_str(), nullptr) : 0;
   Reference to = from;
-  stay(Eigen::Map<const Eigen::VectorXd>(action.values.data(), c.q0.size()), to);
+  if (is_cartesian(action)) {
+    const Found found = find_configuration(c.model, action, &from.q);
+    if (!found.fault.empty()) return found.fault;
+    stay(found.q, to);
+  } else if (action.values.size() == static_cast<size_t>(c.q0.size())) {
+    stay(Eigen::Map<const Eigen::VectorXd>(action.values.data(), c.q0.size()), to);
+  } else {
+    return "has " + std::to_string(action.values.size()) + " values, needed " + std::to_string(c.q0.size());
+  }
   const double T = asked > 0 ? asked : shortest_way(c, from.q, to.q);
   return take_way(c, s, step, T, !(asked > 0), [&](double duration) { return way_between(from, to, duration); });
 }

@@ -43,9 +43,9 @@ struct Output {
   std::vector<Event> events;
 };
 
-/// The reference for input.step; steps rise, and may be left out. Takes `goal` (nq values; key "duration": seconds, 0 or
-/// none = as fast as the share `speed` of the limits allows), `set` planner motion=on (back to the motion after a goal:
-/// a point-to-point cycle goes on with its next target), `estop` and `rearm`.
+/// The reference for input.step; steps rise, and may be left out. Takes `goal` (nq values, or a frame and where it shall
+/// be: cartesian.h; key "duration": seconds, 0 or none = as fast as the share `speed` of the limits allows), `set` planner
+/// motion=on (back to the motion after a goal: a point-to-point cycle goes on with its next target), `estop` and `rearm`.
 Output step(const Config&, State&, const Input&);
 
 }  // namespace lab::planner

@@ -157,6 +157,7 @@ int run(int argc, char** argv) {
 
   std::vector<std::string> words;
   std::string target, assignment;
+  Place place;
   double duration = 0, seconds = 0.1;
   int64_t count = 1;
   const auto verb = [&](const char* name, const char* what, const char* example) {
@@ -164,8 +165,13 @@ int run(int argc, char** argv) {
     sub->footer(std::string("example: lab-send ") + example);
     return sub;
   };
-  CLI::App* goal_verb = verb("goal", "Moves the reference to a configuration, from where it is, without a jump.", "goal elbow=0.5 --duration 2");
-  goal_verb->add_option("q", words, "a number for every joint (rad, m), or JOINT=VALUE for some")->required()->allow_extra_args();
+  CLI::App* goal_verb = verb("goal", "Moves the reference to a configuration, or a frame to a place, from where it is, without a jump.",
+                             "goal --frame effector_body --position 0.5,0.1,0.6 --rpy 0,1.57,0 --duration 2");
+  CLI::Option* q = goal_verb->add_option("q", words, "a number for every joint (rad, m), or JOINT=VALUE for some")->allow_extra_args();
+  CLI::Option* frame = goal_verb->add_option("--frame", place.frame, "of the robot, that shall go to a place in the world")->excludes(q);
+  CLI::Option* position = goal_verb->add_option("--position", place.position, "x,y,z in m")->needs(frame);
+  CLI::Option* rpy = goal_verb->add_option("--rpy", place.rpy, "roll,pitch,yaw in rad (default: any orientation)")->needs(position);
+  goal_verb->add_option("--quaternion", place.quaternion, "x,y,z,w instead of --rpy")->needs(position)->excludes(rpy);
   goal_verb->add_option("--duration", duration, "s (default: as fast as planner.speed, half, of the speed limits allows)");
   CLI::App* set_verb = verb("set", "Changes a value of a process while it runs.", "set controller kp=80");
   set_verb->add_option("process", target, "such as controller")->required();
@@ -195,6 +201,8 @@ int run(int argc, char** argv) {
     try {
       const std::string name = app.get_subcommands().front()->get_name();
       Guest guest(options);
+      if (name == "goal" && !place.frame.empty()) return request(guest, options, goal(place, duration));
+      if (name == "goal" && words.empty()) throw UsageError("goal: needs a number for every joint, JOINT=VALUE, or --frame and --position");
       if (name == "goal" && names_joints(words)) {
         run_t known{};
         std::vector<double> current;

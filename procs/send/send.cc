@@ -1,6 +1,7 @@
 #include "procs/send/send.h"
 
 #include <fmt/format.h>
+#include <rbd/spatial/so3.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,18 @@ double number_of(const std::string& word, const std::string& what) {
   if (!is_number(word, value)) throw UsageError(fmt::format("{}: '{}' is not a number", what, word));
   if (!std::isfinite(value)) throw UsageError(fmt::format("{}: {} is not finite", what, word));
   return value;
+}
+
+/// "1,2,3"
+std::vector<double> numbers(const std::string& list, size_t wanted, const std::string& what) {
+  std::vector<double> out;
+  for (size_t at = 0; at <= list.size();) {
+    const size_t comma = std::min(list.find(',', at), list.size());
+    out.push_back(number_of(list.substr(at, comma - at), what));
+    at = comma + 1;
+  }
+  if (out.size() != wanted) throw UsageError(fmt::format("{}: '{}' has {} numbers, needed {}", what, list, out.size(), wanted));
+  return out;
 }
 
 Action with_duration(double duration) {
@@ -58,6 +71,27 @@ Action goal(std::span<const std::string> words, double duration, const std::vect
     if (place == joints.end()) throw UsageError(fmt::format("goal: the robot has no joint '{}'{}", joint, did_you_mean(joint, joints)));
     action.values[static_cast<size_t>(place - joints.begin())] = number_of(word.substr(equals + 1), "goal: " + joint);
   }
+  return action;
+}
+
+Action goal(const Place& place, double duration) {
+  Action action = with_duration(duration);
+  action.target = place.frame;
+  if (place.position.empty()) throw UsageError(fmt::format("goal: --frame {} needs --position x,y,z", place.frame));
+  action.values = numbers(place.position, 3, "--position");
+  Eigen::Quaterniond turn;
+  if (!place.quaternion.empty()) {
+    const std::vector<double> x = numbers(place.quaternion, 4, "--quaternion");
+    turn.coeffs() << x[0], x[1], x[2], x[3];
+    if (!(std::abs(turn.norm() - 1) < 0.01)) throw UsageError(fmt::format("--quaternion: its length is {}, must be 1", number(turn.norm())));
+    turn.normalize();
+  } else if (!place.rpy.empty()) {
+    const std::vector<double> x = numbers(place.rpy, 3, "--rpy");
+    turn = rbd::rpyToMatrix(x[0], x[1], x[2]);
+  } else {
+    return action;
+  }
+  action.values.insert(action.values.end(), turn.coeffs().begin(), turn.coeffs().end());
   return action;
 }
 

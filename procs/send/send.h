@@ -25,6 +25,14 @@ Action goal(std::span<const std::string> words, double duration);
 Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current,
             const std::map<std::string, std::string>& followers = {});
 
+/// Where a frame shall be in the world, as typed: "x,y,z" in m; "roll,pitch,yaw" in rad or "x,y,z,w", or neither when any
+/// orientation will do.
+struct Place {
+  std::string frame, position, rpy, quaternion;
+};
+/// `goal --frame`. Throws UsageError.
+Action goal(const Place& place, double duration);
+
 /// `set PROC KEY=VALUE[,VALUE..]`; a word that is no number goes into text.
 Action set(const std::string& process, const std::string& assignment);
 

@@ -1,5 +1,6 @@
 """Hands on a running robot: requests in both clocks, and what the watchdog does when its controller is killed."""
 import json
+import math
 import os
 import signal
 import subprocess
@@ -60,11 +61,14 @@ def test_pause_step_resume_and_live_gains_in_lockstep(tmp_path):
         assert "accepted, from step" in ok(send(run, "set", "controller", "kp=80"))
         for words, why in [(["set", "controller", "kq=1"], "has no 'kq'"), (["set", "controller", "kp=1,2"], "needed 1 or 3"),
                            (["goal", "1", "2"], "needed 3"), (["goal", "100", "0", "0"], "its limits are"),
+                           (["goal", "--frame", "nowhere", "--position", "9,0,0"], "no frame 'nowhere'"),
                            (["reset"], "in lockstep"), (["push", "nowhere", "1", "2", "3"], "no frame 'nowhere'")]:
             done = send(run, *words)
             assert done.returncode == 7 and why in done.stderr, done.stderr
         done = send(run, "goal", "1", "x", "2")
         assert done.returncode == 2 and "'x' is not a number" in done.stderr
+        for words in (["1", "--frame", "tool"], ["--position", "1,2,3"], [], ["--frame", "tool", "--position", "1,2"]):
+            assert send(run, "goal", *words).returncode == 2, words
         ok(send(run, "resume"))
         run.wait_for_step(step + 500)
         run.process.send_signal(signal.SIGINT)
@@ -159,6 +163,56 @@ def test_a_goal_comes_between_a_cycle_and_it_goes_on(tmp_path):
     assert any(max(abs(x - y) for x, y in zip(r.q, aside)) < 1e-9 for r in rests if r.step < back)
     visited = [target for r in rests if r.step > back for target in (a, b) if max(abs(x - y) for x, y in zip(r.q, target)) < 1e-9]
     assert a in visited and b in visited
+
+
+def effector(q):
+    """Position and rotation (columns) of the manipulator's effector_body, from its table in docs/sample_models.md."""
+    def times(a, b):
+        return [[sum(a[r][k] * b[k][c] for k in range(3)) for c in range(3)] for r in range(3)]
+
+    def about(axis, angle):
+        c, s = math.cos(angle), math.sin(angle)
+        return [[c, -s, 0], [s, c, 0], [0, 0, 1]] if axis == "z" else [[c, 0, s], [0, 1, 0], [-s, 0, c]]
+    R, p = [[1, 0, 0], [0, 1, 0], [0, 0, 1]], [0, 0, 0]
+    for axis, up, turned, angle in zip("zyyzyz", (0.15, 0.15, 0.45, 0.2, 0.2, 0.1), (0, 0, math.pi / 2, 0, 0, 0), q):
+        p = [p[r] + R[r][2] * up for r in range(3)]
+        R = times(R, times(about("y", turned), about(axis, angle)))
+    return p, R
+
+
+@pytest.mark.parametrize("clock", ["lockstep", "realtime"])
+def test_a_frame_goes_where_it_is_sent(tmp_path, clock):
+    """By forward kinematics from the robot's table; the simulator refuses what is too far and says how far."""
+    file = tmp_path / "live.yaml"
+    file.write_text(LIVE.format(duration=600, controller=lab.BUILD / "bin" / "lab-controller"))
+    with lab.Running(str(file), tmp_path / "run", "--set", "planner.kind=hold", "--set", f"simulator.clock={clock}",
+                     "--set", "simulator.q0=[0.3, 0.4, -0.5, 0.2, 0.6, 0.1]", "--set", "safety.timeout=0.5") as run:
+        run.wait_for_step(200)
+        done = send(run, "goal", "--frame", "effector_body", "--position", "10,0,0.3")
+        assert done.returncode == 7 and "out of reach: 9.05 m from the target" in done.stderr, done.stderr
+        step = json.loads(ok(send(run, "goal", "--frame", "effector_body", "--position", "0.4,-0.2,0.6", "--duration", "1", "--json")))["step"]
+        run.wait_for_step(step + 1100)
+        last = json.loads(ok(send(run, "goal", "--frame", "effector_body", "--position", "0.5,0.1,0.5", "--rpy", "0,1.5,0.3", "--duration", "1", "--json")))["step"]
+        run.wait_for_step(last + 2000)
+        run.process.send_signal(signal.SIGINT)
+        assert run.finish().returncode == 130
+    types = lab.generated_types(tmp_path)
+    log = list(lab.events(run.folder / "log.lcm"))
+    asked = [types.input_t.decode(d).action for c, d in log if c == "INPUT"]
+    assert [(a.verb, a.target, a.n) for a in asked] == [("goal", "effector_body", 3), ("goal", "effector_body", 7)]
+    assert not [types.event_t.decode(d).why for c, d in log if c == "EVENT" and types.event_t.decode(d).what == "action_ignored"]
+    references = {r.step: r for r in (types.reference_t.decode(d) for c, d in log if c == "REFERENCE")}
+    between = max(s for s in references if s < last)
+    assert max(abs(a - b) for a, b in zip(effector(references[between].q)[0], (0.4, -0.2, 0.6))) < 1.1e-6
+    assert not any(references[between].v)
+    p, R = effector(references[max(references)].q)
+    assert max(abs(a - b) for a, b in zip(p, (0.5, 0.1, 0.5))) < 1.1e-6
+    # Rz(0.3) Ry(1.5): the tool's axis, and the one across it
+    z, y = [row[2] for row in R], [row[1] for row in R]
+    assert max(abs(a - b) for a, b in zip(z, (math.sin(1.5) * math.cos(0.3), math.sin(1.5) * math.sin(0.3), math.cos(1.5)))) < 2e-6
+    assert max(abs(a - b) for a, b in zip(y, (-math.sin(0.3), math.cos(0.3), 0))) < 2e-6
+    states = [types.robot_state_t.decode(d) for c, d in log if c == "ROBOT_STATE"]
+    assert max(abs(a - b) for a, b in zip(effector(states[-1].q)[0], (0.5, 0.1, 0.5))) < 5e-3, "and the robot follows"
 
 
 def test_goal_push_and_stop_in_real_time(tmp_path):

@@ -93,6 +93,22 @@ TEST(NoAllocation, AfterConstruction) {
   EXPECT_EQ(0, count([&] { interpolate(model, s.q, q, 0.3, q); }));
   EXPECT_EQ(0, count([&] { neutral(model, q); }));
   EXPECT_EQ(0, count([&] { randomConfiguration(model, engine, q); }));
+
+  // reaching, giving up after restarts, and resting, with more rows than Eigen's small products take
+  IkScratch ik(model, 3);
+  IkOptions options;
+  options.restarts = 2;
+  options.rest = neutral(model);
+  const FrameIndex hand = model.nframes - 1, foot = model.nframes / 2;
+  forwardKinematics(model, data, s.q);
+  const FrameTarget targets[] = {{hand, data.oMf[hand]}, {foot, data.oMf[foot]}};
+  const FrameTarget far[] = {{hand, data.oMf[hand]}, {hand, data.oMf[foot]}, {foot, data.oMf[foot]}};
+  neutral(model, q);
+  IkResult met, missed;
+  EXPECT_EQ(0, count([&] { met = inverseKinematics(model, ik, targets, options, q); }));
+  EXPECT_TRUE(met);
+  EXPECT_EQ(0, count([&] { missed = inverseKinematics(model, ik, far, options, q); }));
+  EXPECT_EQ(missed.starts, 3);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace lab::send {
 namespace {
 
@@ -37,6 +39,25 @@ TEST(Send, GoalForSomeJointsKeepsTheOthers) {
 TEST(Send, FollowersTakeNoGoals) {
   EXPECT_EQ(refusal([] { goal(Words{"wrist=1"}, 0, kJoints, {0, 0}, {{"wrist", "elbow"}}); }),
             "goal: 'wrist' follows 'elbow'; give a goal for that one");
+}
+
+TEST(Send, GoalForAFrame) {
+  const Action position = goal(Place{"tool", "0.5,-0.1,1e-1", "", ""}, 2);
+  EXPECT_EQ(position.target + position.key + position.text, "toolduration2");
+  EXPECT_EQ(position.values, (Numbers{0.5, -0.1, 0.1}));
+  // a quarter turn about y: both spellings
+  const double half = std::sqrt(0.5);
+  const Numbers turned{0, 0, 0, 0, half, 0, half};
+  for (const Place& place : {Place{"tool", "0,0,0", "0,1.5707963267948966,0", ""}, Place{"tool", "0,0,0", "", "0,0.7071,0,0.7071"}}) {
+    const Action pose = goal(place, 0);
+    ASSERT_EQ(pose.values.size(), 7u);
+    for (size_t i = 0; i < 7; ++i) EXPECT_NEAR(pose.values[i], turned[i], 1e-15);
+  }
+  EXPECT_EQ(refusal([] { goal(Place{"tool", "", "", ""}, 0); }), "goal: --frame tool needs --position x,y,z");
+  EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2", "", ""}, 0); }), "--position: '1,2' has 2 numbers, needed 3");
+  EXPECT_EQ(refusal([] { goal(Place{"tool", "1,,2", "", ""}, 0); }), "--position: '' is not a number");
+  EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2,3", "", "0,0,0,0"}, 0); }), "--quaternion: its length is 0, must be 1");
+  EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2,3", "nan,0,0", ""}, 0); }), "--rpy: nan is not finite");
 }
 
 TEST(Send, SetOneManyOrAWord) {

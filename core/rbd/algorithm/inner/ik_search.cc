@@ -1,0 +1,301 @@
+#include "rbd/algorithm/inner/ik_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rbd/algorithm/configuration.h"
+#include "rbd/algorithm/jacobian.h"
+
+namespace rbd::inner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A := its Cholesky factor (lower), then r := A^-1 r. Eigen's would allocate for larger ones.
+void solve(Eigen::MatrixXd& A, Eigen::VectorXd& r, Eigen::Index n) {
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index k = 0; k < j; ++k) {
+      for (Eigen::Index i = j; i < n; ++i) A(i, j) -= A(i, k) * A(j, k);
+    }
+    const double d = std::sqrt(A(j, j));
+    for (Eigen::Index i = j; i < n; ++i) A(i, j) /= d;
+  }
+  for (Eigen::Index j = 0; j < n; ++j) {
+    r[j] /= A(j, j);
+    for (Eigen::Index i = j + 1; i < n; ++i) r[i] -= A(i, j) * r[j];
+  }
+  for (Eigen::Index j = n - 1; j >= 0; --j) {
+    for (Eigen::Index i = j + 1; i < n; ++i) r[j] -= A(i, j) * r[i];
+    r[j] /= A(j, j);
+  }
+}
+
+// Whether velocities are the rates of the numbers in q.
+bool adds(const JointModel& joint) {
+  return joint.manifold() == Manifold::Angles || joint.manifold() == Manifold::Lengths;
+}
+
+// The farthest that a joint's moving part comes from its place at neutral, m.
+double travel(const Model& model, JointIndex j) {
+  const JointModel& joint = model.joints[j];
+  double ratio = 1, offset = 0;
+  JointIndex leader = j;
+  for (; model.joints[leader].mimics(); leader = model.mimic(leader).leader) {
+    offset += ratio * model.mimic(leader).offset;
+    ratio *= model.mimic(leader).multiplier;
+  }
+  const auto largest = [&](int k) {
+    return std::max(std::abs(model.lowerPositionLimit[k]), std::abs(model.upperPositionLimit[k]));
+  };
+  const int at = joint.idx_q();
+  switch (joint.kind()) {
+    case JointKind::Prismatic:
+      return std::abs(ratio) * largest(at) + std::abs(offset);
+    case JointKind::Helical:
+      return std::abs(joint.pitch()) * (std::abs(ratio) * largest(at) + std::abs(offset));
+    case JointKind::Planar:
+      return std::hypot(largest(at), largest(at + 1));
+    case JointKind::Translation:
+    case JointKind::FreeFlyer:
+      return std::hypot(largest(at), largest(at + 1), largest(at + 2));
+    default:
+      return 0;
+  }
+}
+
+}  // namespace
+
+bool outOfReach(const Model& model, const FrameTarget& target, double tolerance) {
+  const Frame& frame = model.frames[target.frame];
+  double reach = 0;
+  Eigen::Vector3d last = frame.placement.translation();
+  for (JointIndex j = frame.parentJoint; j > 0; j = model.parents[j]) {
+    reach += last.norm() + travel(model, j);
+    last = model.jointPlacements[j].translation();
+  }
+  return (target.pose.translation() - last).norm() > reach * (1 + 1e-12) + tolerance;
+}
+
+// s.e and its size at q; leaves what linearise() needs in s.data.
+IkErrors IkSearch::evaluate(const Eigen::VectorXd& q) {
+  computeJointJacobians(model_, s_.data, q);
+  IkErrors out{0, 0, 0};
+  Eigen::Index row = 0;
+  for (const FrameTarget& target : targets_) {
+    const SE3& pose = updateFramePlacement(model_, s_.data, target.frame);
+    const Eigen::Vector3d way = target.pose.translation() - pose.translation();
+    s_.e.segment<3>(row) = way;
+    out.position = std::max(out.position, way.norm());
+    row += 3;
+    if (!target.rotation) continue;
+    const Eigen::Matrix3d turn = target.pose.rotation() * pose.rotation().transpose();
+    const Eigen::Vector3d angle = log3(Eigen::Quaterniond(turn).normalized());
+    s_.e.segment<3>(row) = options_.length * angle;
+    out.rotation = std::max(out.rotation, angle.norm());
+    row += 3;
+  }
+  out.cost = s_.e.head(rows_).squaredNorm() / 2;
+  return out;
+}
+
+// J, the slope J' e and the room to the limits, at the configuration of the last evaluate (which is s.at).
+// The slope is exact although J is the geometric Jacobian: a rotation error is its own axis.
+void IkSearch::linearise() {
+  Eigen::Index row = 0;
+  for (const FrameTarget& target : targets_) {
+    getFrameJacobian(model_, s_.data, target.frame, LOCAL_WORLD_ALIGNED, s_.frame_J);
+    s_.J.middleRows<3>(row) = s_.frame_J.bottomRows<3>();
+    row += 3;
+    if (!target.rotation) continue;
+    s_.J.middleRows<3>(row) = options_.length * s_.frame_J.topRows<3>();
+    row += 3;
+  }
+  size_ = 0;
+  for (Eigen::Index k = 0; k < model_.nv; ++k) {
+    size_ += s_.J.col(k).head(rows_).squaredNorm();
+    s_.slope[k] = s_.J.col(k).head(rows_).dot(s_.e.head(rows_));
+  }
+  s_.down.setConstant(-kInfinity);
+  s_.up.setConstant(kInfinity);
+  for (const JointModel& joint : model_.joints) {
+    if (!adds(joint)) continue;  // clamp() alone keeps the limits of the others
+    for (int k = 0; k < joint.nv(); ++k) {
+      const int iq = joint.idx_q() + k, iv = joint.idx_v() + k;
+      s_.down[iv] = model_.lowerPositionLimit[iq] - s_.at[iq];
+      s_.up[iv] = model_.upperPositionLimit[iq] - s_.at[iq];
+    }
+  }
+}
+
+// Whether a limit keeps dof k from following its slope.
+bool IkSearch::blocked(Eigen::Index k) const {
+  return (s_.slope[k] > 0 && s_.up[k] <= 0) || (s_.slope[k] < 0 && s_.down[k] >= 0);
+}
+
+// Whether no dof that may still move changes the error to first order.
+bool IkSearch::stationary() const {
+  double sum = 0;
+  for (Eigen::Index k = 0; k < model_.nv; ++k) {
+    if (!blocked(k)) sum += s_.slope[k] * s_.slope[k];
+  }
+  return sum <= 1e-16 * size_ * s_.e.head(rows_).squaredNorm();
+}
+
+// s.dq := the minimum of |e - J dq|^2 + lambda |dq - pull|^2 between the limits. A dof whose step passes a
+// limit stops there, and the others are solved again. False when there is no finite step.
+//
+// In the dual form dq = pull + J' y, (J J' + lambda) y = e - J pull, whose size is that of the targets.
+bool IkSearch::step(double lambda) {
+  const Eigen::Index m = rows_;
+  std::fill(s_.held.begin(), s_.held.end(), 0);
+  lambda += 1e-13 * size_;  // what a Cholesky factorisation can bear
+  for (bool again = true; again;) {
+    s_.A.topLeftCorner(m, m).setZero();
+    s_.r.head(m) = s_.e.head(m);
+    for (Eigen::Index k = 0; k < model_.nv; ++k) {
+      const auto column = s_.J.col(k).head(m);
+      s_.r.head(m) -= (s_.held[k] ? s_.dq[k] : s_.pull[k]) * column;
+      if (s_.held[k]) continue;
+      for (Eigen::Index j = 0; j < m; ++j) {
+        for (Eigen::Index i = j; i < m; ++i) s_.A(i, j) += column[i] * column[j];
+      }
+    }
+    for (Eigen::Index i = 0; i < m; ++i) s_.A(i, i) += lambda;
+    solve(s_.A, s_.r, m);
+    again = false;
+    for (Eigen::Index k = 0; k < model_.nv; ++k) {
+      if (s_.held[k]) continue;
+      s_.dq[k] = s_.pull[k] + s_.J.col(k).head(m).dot(s_.r.head(m));
+      if (!std::isfinite(s_.dq[k])) return false;
+      const double bounded = std::min(std::max(s_.dq[k], s_.down[k]), s_.up[k]);
+      if (bounded == s_.dq[k]) continue;
+      s_.dq[k] = bounded;
+      s_.held[k] = again = true;
+    }
+  }
+  return true;
+}
+
+// How much a step along s.dq would lower the cost, were the error linear.
+double IkSearch::foretold() const {
+  double cost = 0;
+  for (Eigen::Index i = 0; i < rows_; ++i) {
+    double left = s_.e[i];
+    for (Eigen::Index k = 0; k < model_.nv; ++k) left -= s_.J(i, k) * s_.dq[k];
+    cost += left * left / 2;
+  }
+  return s_.e.head(rows_).squaredNorm() / 2 - cost;
+}
+
+IkStop IkSearch::reach(IkErrors& errors) {
+  s_.pull.setZero();
+  errors = evaluate(s_.at);
+  linearise();
+  // far away the error is no measure of how long a step may be
+  double factor = std::min(1.0, size_ / errors.cost), growth = 2;
+  double before = kInfinity;  // the error some iterations ago
+  for (int n = 0; n < options_.iterations; ++n) {
+    if (converged(errors)) return IkStop::Converged;
+    if (stationary()) return IkStop::Stalled;
+    if (n % 10 == 0) {
+      const double now = std::sqrt(2 * errors.cost);
+      if (before - now < options_.position_tolerance / 10) return IkStop::Stalled;
+      before = now;
+    }
+    // the first step of any length that comes nearer; short ones follow the slope, so there is one
+    for (;;) {
+      ++iterations_;
+      const bool solved = step(factor * errors.cost);
+      if (solved && s_.dq.lpNorm<Eigen::Infinity>() <= 1e-15) return IkStop::Stalled;
+      if (solved) {
+        const double drop = foretold();
+        integrate(model_, s_.at, s_.dq, s_.next);
+        clamp(s_.next);
+        s_.r.head(rows_) = s_.e.head(rows_);
+        const IkErrors found = evaluate(s_.next);
+        if (found.cost < errors.cost) {
+          const double gain = (errors.cost - found.cost) / std::max(drop, 1e-300);
+          factor *= std::clamp(1 - std::pow(2 * gain - 1, 3), 1.0 / 3, 2.0);
+          growth = 2;
+          errors = found;
+          s_.at.swap(s_.next);
+          linearise();
+          break;
+        }
+        s_.e.head(rows_) = s_.r.head(rows_);
+      }
+      factor *= growth;
+      growth *= 2;
+      if (!std::isfinite(growth)) return IkStop::Stalled;
+    }
+  }
+  return converged(errors) ? IkStop::Converged : IkStop::IterationsUsedUp;
+}
+
+void IkSearch::relax(IkErrors& errors) {
+  // half the weighted square of the way to rest; the way is left in s.pull, weighted
+  const auto away = [&](const Eigen::VectorXd& q) {
+    difference(model_, q, options_.rest, s_.pull);
+    if (options_.rest_weight.size() == 0) return s_.pull.squaredNorm();
+    double sum = 0;
+    for (Eigen::Index k = 0; k < model_.nv; ++k) {
+      sum += options_.rest_weight[k] * s_.pull[k] * s_.pull[k];
+      s_.pull[k] *= options_.rest_weight[k];
+    }
+    return sum;
+  };
+  s_.kept = s_.at;
+  IkErrors kept = errors;
+  double nearest = away(s_.kept);
+  double share = 1;  // of a full step
+  for (int n = 0; n < options_.iterations && share > 1e-3; ++n) {
+    s_.at = s_.kept;
+    (void)evaluate(s_.at);
+    linearise();
+    (void)away(s_.at);
+    s_.pull *= share;
+    ++iterations_;
+    if (!step(1e-10 * size_) || s_.dq.lpNorm<Eigen::Infinity>() <= 1e-6 * share) break;
+    integrate(model_, s_.at, s_.dq, s_.next);
+    clamp(s_.next);
+    s_.at.swap(s_.next);
+    // back onto the targets; what that costs is part of the step
+    const bool met = reach(errors) == IkStop::Converged;
+    const double now = met ? away(s_.at) : kInfinity;
+    if (now < nearest) {
+      nearest = now;
+      s_.kept = s_.at;
+      kept = errors;
+      share = std::min(1.0, 2 * share);
+    } else {
+      share /= 2;
+    }
+  }
+  s_.at = s_.kept;
+  errors = kept;
+}
+
+JointIndex IkSearch::limit() const {
+  JointIndex worst = 0;
+  double most = 1e-6 * std::sqrt(size_) * s_.e.head(rows_).norm();
+  for (JointIndex j = 1; j < model_.njoints; ++j) {
+    const JointModel& joint = model_.joints[j];
+    double pull = 0;
+    if (adds(joint)) {
+      for (int k = joint.idx_v(); k < joint.idx_v() + joint.nv(); ++k)
+        if (blocked(k)) pull = std::max(pull, std::abs(s_.slope[k]));
+    } else {
+      bool stands = false;
+      for (int k = joint.idx_q(); k < joint.idx_q() + joint.nq(); ++k)
+        stands |= s_.at[k] <= model_.lowerPositionLimit[k] || s_.at[k] >= model_.upperPositionLimit[k];
+      if (stands) pull = s_.slope.segment(joint.idx_v(), joint.nv()).norm();
+    }
+    if (pull > most) {
+      worst = j;
+      most = pull;
+    }
+  }
+  return worst;
+}
+
+}  // namespace rbd::inner
