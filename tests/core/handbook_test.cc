@@ -141,10 +141,12 @@ TEST_F(Handbook, VelocitiesAndJacobians) {
     const MatrixXd Jf = getFrameJacobian(model, *data, tool, reference);
     const Motion velocity = getFrameVelocity(model, *data, tool, reference);
     EXPECT_LE((Jf * v - velocity.toVector()).norm(), kTol);
-    if (reference == LOCAL) EXPECT_LE((Jj * v - spatial.toVector()).norm(), kTol);
-    // the arm is one chain: here all columns of data.J are the last joint's Jacobian, in WORLD
-    if (reference == WORLD) EXPECT_LE((Jj - MatrixXd(J)).norm(), kTol);
+    const Motion moving = getVelocity(model, *data, 6, reference);
+    EXPECT_LE((Jj * v - moving.toVector()).norm(), kTol);
   }
+  EXPECT_EQ(spatial, getVelocity(model, *data, 6, LOCAL));
+  // the arm is one chain: here the columns of data.J are the last joint's Jacobian, in WORLD
+  EXPECT_LE((getJointJacobian(model, *data, 6, WORLD) - MatrixXd(J)).norm(), kTol);
   const Motion qualified = getFrameVelocity(model, *data, tool, ReferenceFrame::WORLD);
   EXPECT_EQ(qualified, getFrameVelocity(model, *data, tool, WORLD));
 }
