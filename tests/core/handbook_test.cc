@@ -4,6 +4,7 @@
 #include <rbd/rbd.h>
 #include <rbd/urdf/urdf.h>
 
+#include <Eigen/LU>
 #include <memory>
 #include <sstream>
 
@@ -172,6 +173,23 @@ TEST_F(Handbook, Dynamics) {
   EXPECT_LE((rnea(model, *data, q, v, a) - (M * a + b)).norm(), kTol);
   EXPECT_LE((rnea(model, *data, q, VectorXd::Zero(6), a) - (M * a + g)).norm(), kTol);
   EXPECT_LE((aba(model, *data, q, v, tau) - Minv * (tau - b)).norm(), kTol);
+}
+
+// What its listings write works on our fields too, and does what Eigen says: the inverse of Minv is M, and
+// solving with Minv multiplies by M (its chapters 8.2 and 10.2 meant Minv times x, which is aba's answer).
+TEST_F(Handbook, ListingsWithMinv) {
+  computeMinverse(model, *data, q);
+  const MatrixXd M = data->Minv.inverse();
+  EXPECT_LE((M - crba(model, *data, q)).norm(), kTol);
+  const VectorXd solved = data->Minv.fullPivLu().solve(tau);
+  EXPECT_LE((solved - M * tau).norm(), 1e3 * kTol);
+  nonLinearEffects(model, *data, q, v);
+  const VectorXd a_by_hand = data->Minv * (tau - data->nle);
+  EXPECT_LE((a_by_hand - aba(model, *data, q, v, tau)).norm(), kTol);
+  computeJointJacobians(model, *data, q);
+  const VectorXd world = data->J * v;
+  const Vector3d linear = data->J.block(3, 0, 3, data->J.cols()) * v;
+  EXPECT_EQ(world.tail<3>(), linear);
 }
 
 TEST_F(Handbook, CentroidalMomentum) {
