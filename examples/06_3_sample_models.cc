@@ -5,6 +5,7 @@
 // randomConfiguration are for that.
 #include <rbd/rbd.h>
 
+#include <cmath>
 #include <iostream>
 
 #include "roads.h"
@@ -40,6 +41,19 @@ int main() {
   const Eigen::Vector3d com = rbd::centerOfMass(human, data, rbd::neutral(human));
   std::cout << "humanoid: " << data.mass[0] << " kg, centre of mass at " << com.transpose() << "\n";
   roads.compare("sideways place of the centre of mass, 0", com.y(), 0, 1e-14);
+
+  // joints may follow others: knees and ankles follow the hips, so that one number a leg makes a level foot
+  // go up
+  rbd::Model squats;
+  rbd::buildModels::humanoid(squats, true);
+  rbd::Data legs(squats);
+  std::cout << "with mimic joints: nq " << squats.nq << ", nv " << squats.nv << "\n";
+  Eigen::VectorXd pose = rbd::neutral(squats);
+  pose[squats.joints[squats.jointId("left_hip_pitch")].idx_q()] = 0.6;
+  rbd::forwardKinematics(squats, legs, pose);
+  const double height = legs.oMi[squats.jointId("left_ankle_roll")].translation().z();
+  roads.compare("ankle of a bent leg, cosines of thigh and shin", height,
+                -0.08 - (0.38 + 0.36) * std::cos(0.6), 1e-14);
 
   // the arm has no quaternion: there q + v is right, and integrate does the same
   const Eigen::VectorXd q = rbd::randomConfiguration(arm, engine), w = rbd::randomConfiguration(arm, engine);

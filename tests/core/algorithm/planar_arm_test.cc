@@ -147,19 +147,19 @@ TEST_F(PlanarArm, ForcesGoThroughTheTransposedJacobian) {
 // cosines.
 TEST_F(PlanarArm, InverseKinematicsByIteration) {
   const Vector2d target(0.45, 0.3);
-  const auto iterate = [&](VectorXd q, const Vector2d& to, int steps) {
-    for (int k = 0; k < steps; ++k) {
+  const auto iterate = [&](VectorXd q, const Vector2d& to, double damping) {
+    for (int k = 0; k < 1000; ++k) {
       const Eigen::Matrix2d J = planarJacobian(q);
       forwardKinematics(model, data, q);
       const Vector3d at = data.oMf[tip].translation();
-      const Eigen::Matrix2d A = J * J.transpose() + 1e-4 * Eigen::Matrix2d::Identity();
+      const Eigen::Matrix2d A = J * J.transpose() + damping * Eigen::Matrix2d::Identity();
       q += J.transpose() * A.inverse() * (to - Vector2d(at[0], at[2]));
     }
     return q;
   };
   int found[2] = {0, 0};
   for (int n = 0; n < 20; ++n) {
-    const VectorXd q = iterate(random.vec(2, 3), target, 200);
+    const VectorXd q = iterate(random.vec(2, 3), target, 0.05);
     const int which = std::sin(q[1]) > 0 ? 0 : 1;
     const VectorXd wanted = arm.reach(target, which == 0 ? 1 : -1);
     // angles are equal up to whole turns
@@ -168,10 +168,10 @@ TEST_F(PlanarArm, InverseKinematicsByIteration) {
   }
   EXPECT_GT(found[0], 0);
   EXPECT_GT(found[1], 0);
-  // out of reach, it ends stretched towards the target: straight, and pointing there
+  // out of reach, it ends straight and pointing at the target; so near a singular pose it wants more damping
   const Vector2d far(1.2, 0.9);
-  const VectorXd q = iterate(Vector2d(0.3, 0.8), far, 20000);
-  EXPECT_LE((arm.tip(q) - (arm.l1 + arm.l2) * far.normalized()).norm(), 1e-3);
+  const VectorXd q = iterate(Vector2d(0.3, 0.8), far, 1);
+  EXPECT_LE((arm.tip(q) - (arm.l1 + arm.l2) * far.normalized()).norm(), 1e-9);
 }
 
 // D5: gravity compensation with masses wrong by half leaves kp * error = half of gravity; right masses leave
