@@ -302,6 +302,25 @@ TEST_F(Turntable, NoSpatialAccelerationThoughEverybodyFeelsOne) {
             1e-13);
 }
 
+// What it reads: the LOCAL classical acceleration of its place, less gravity in its axes.
+TEST(FreeFall, AnAccelerometerInFreeFallReadsNothing) {
+  Model model;
+  model.addJoint(0, JointModelFreeFlyer(), SE3(), "stone");
+  const Vector3d com(0.3, -0.2, 0.1);
+  model.appendBodyToJoint(1, Inertia(2, com, Vector3d(0.1, 0.2, 0.25).asDiagonal()));
+  const SE3 placement(exp3(Vector3d(0.5, 1, -0.3)), com);
+  const FrameIndex sensor = model.addFrame(Frame("accelerometer", 1, placement, SENSOR));
+  Data data(model);
+  const testing::State s = testing::randomState(model, 1);
+  const VectorXd a = aba(model, data, s.q, s.v, VectorXd::Zero(6));
+  forwardKinematics(model, data, s.q, s.v, a);
+  const Vector3d gravity = data.oMf[sensor].rotation().transpose() * model.gravity.linear();
+  const Vector3d reads = getFrameClassicalAcceleration(model, data, sensor, LOCAL).linear() - gravity;
+  EXPECT_LE(reads.norm(), 1e-13);
+  // the spatial one would not do: the stone spins and moves
+  EXPECT_GT((getFrameAcceleration(model, data, sensor, LOCAL).linear() - gravity).norm(), 0.1);
+}
+
 // The same table a kilometre away: what WORLD says of the linear velocity changes by w times the distance.
 TEST_F(Turntable, WorldVelocityDependsOnWhereTheWorldsOriginIs) {
   Model far = model;
