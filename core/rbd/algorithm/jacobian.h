@@ -22,7 +22,7 @@ void getFrameJacobian(const Model& model, const Data& data, FrameIndex frame, Re
 
 // Both steps in one call.
 Matrix6Xd computeFrameJacobian(const Model& model, Data& data, const ConstVectorRef& q, FrameIndex frame,
-                               ReferenceFrame reference = LOCAL);
+                               ReferenceFrame reference);
 void computeFrameJacobian(const Model& model, Data& data, const ConstVectorRef& q, FrameIndex frame,
                           ReferenceFrame reference, MatrixRef J);
 

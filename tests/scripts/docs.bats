@@ -1,0 +1,36 @@
+#!/usr/bin/env bats
+# shellcheck disable=SC2016
+# What the pages point at exists: tests that are named as proofs, files that are linked.
+load common
+setup() { common_setup; }
+
+# Suite.Name of every test in the sources.
+tests() {
+  grep -rhoE 'TEST(_F|_P)?\([A-Za-z]+, *[A-Za-z0-9]+' "$ROOT"/tests/core |
+    sed -E 's/TEST(_F|_P)?\(//; s/, */./' | sort -u
+}
+
+@test "every test named in docs/algorithms.md exists" {
+  tests >"$BATS_TEST_TMPDIR/tests"
+  named=$(grep -oE '`[A-Z][A-Za-z]+\.[A-Z][A-Za-z]+`' "$ROOT/docs/algorithms.md" | tr -d '`' | sort -u)
+  [ "$(wc -l <<<"$named")" -gt 30 ]
+  while read -r name; do grep -qx "$name" "$BATS_TEST_TMPDIR/tests" || { echo "no such test: $name"; return 1; }; done <<<"$named"
+}
+
+@test "every claim of docs/frames.md names a test, and every test of frames_test.cc is named" {
+  grep -oE '\[`[A-Za-z]+`\]' "$ROOT/docs/frames.md" | tr -d '[]`' | sort -u >"$BATS_TEST_TMPDIR/named"
+  grep -hoE 'TEST(_F|_P)?\([A-Za-z]+, *[A-Za-z0-9]+' "$ROOT/tests/core/algorithm/frames_test.cc" |
+    sed -E 's/.*, *//' | sort -u >"$BATS_TEST_TMPDIR/written"
+  run diff "$BATS_TEST_TMPDIR/named" "$BATS_TEST_TMPDIR/written"
+  echo "$output"
+  [ "$status" -eq 0 ]
+}
+
+@test "every example is in docs/examples.md, and every link in docs leads somewhere" {
+  for f in "$ROOT"/examples/[0-9]*.cc; do grep -q "(../examples/$(basename "$f"))" "$ROOT/docs/examples.md"; done
+  for page in "$ROOT"/README.md "$ROOT"/docs/*.md; do
+    while read -r link; do
+      [ -e "$(dirname "$page")/$link" ] || { echo "$page: $link"; return 1; }
+    done < <(grep -oE '\]\([^):# ]+[)# ]' "$page" | sed -E 's/^..//; s/.$//')
+  done
+}
