@@ -64,6 +64,17 @@ void check(const bench::Bench& bench, const bench::Robot& robot, const rbd::Mode
     check.add("|dhg|", d.dhg.toVector().norm());
     check.add("kinetic", rbd::computeKineticEnergy(m, d, q, v));
     check.add("potential", rbd::computePotentialEnergy(m, d, q));
+    const int moving = m.nv - base;
+    const auto both = [&](const auto& x, const auto& y) {
+      return x.bottomRightCorner(moving, moving).norm() + y.bottomRightCorner(moving, moving).norm();
+    };
+    const Eigen::VectorXd ddq = d.ddq;
+    rbd::computeRNEADerivatives(m, d, q, v, a);
+    check.add("|dtau|", both(d.dtau_dq, d.dtau_dv));
+    rbd::computeABADerivatives(m, d, q, v, x.tau[i]);
+    check.add("|dddq|", both(d.ddq_dq, d.ddq_dv));
+    check.add("|Ag|", rbd::computeCentroidalMap(m, d, q).rightCols(moving).norm());
+    d.ddq = ddq;
     check.add("aba(rnea(a))-a", (d.ddq - a).norm() / a.norm());
   }
   check.print(bench.peer(), robot);
@@ -100,6 +111,10 @@ void measure(const bench::Bench& bench, const bench::Robot& robot) {
   row("jcom", [&](std::size_t i) { rbd::jacobianCenterOfMass(m, d, q[i]); });
   row("hg", [&](std::size_t i) { rbd::computeCentroidalMomentum(m, d, q[i], v[i]); });
   row("dhg", [&](std::size_t i) { rbd::computeCentroidalMomentumTimeVariation(m, d, q[i], v[i], a[i]); });
+  row("coriolis", [&](std::size_t i) { rbd::computeCoriolisMatrix(m, d, q[i], v[i]); });
+  row("ccrba", [&](std::size_t i) { rbd::ccrba(m, d, q[i], v[i]); });
+  row("rnea_deriv", [&](std::size_t i) { rbd::computeRNEADerivatives(m, d, q[i], v[i], a[i]); });
+  row("aba_deriv", [&](std::size_t i) { rbd::computeABADerivatives(m, d, q[i], v[i], tau[i]); });
   row("kinetic", [&](std::size_t i) { rbd::computeKineticEnergy(m, d, q[i], v[i]); });
   row("potential", [&](std::size_t i) { rbd::computePotentialEnergy(m, d, q[i]); });
   row("integrate", [&](std::size_t i) { rbd::integrate(m, q[i], v[i], next); });

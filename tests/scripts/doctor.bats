@@ -32,7 +32,7 @@ needs() { # root|userns|CAPABILITY
   doctor
   [ "$(verdict_of programs)" = "bad scripts/lab build" ]
   mkdir -p "$LAB_BUILD/bin"
-  for p in simulator planner controller logger renderer experiment send spy; do
+  for p in simulator planner controller logger renderer experiment send spy model; do
     ln -s /bin/true "$LAB_BUILD/bin/lab-$p"
   done
   doctor

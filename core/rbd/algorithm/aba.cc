@@ -83,6 +83,7 @@ const Eigen::VectorXd& solveMotion(const Model& model, Data& data, const ConstVe
   const int singular = inner::abaKernel(model, inner::rotors(model, work), work.d, q.data(), v.data(),
                                         work.effort.data(), data.ddq.data(), d);
   if (singular >= 0) inner::failSingular("aba", model, singular, d);
+  inner::checkResult("aba", model, data.ddq);
   return data.ddq;
 }
 

@@ -79,6 +79,7 @@ const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef
   inner::gather(model, work, data.tau);
   inner::addRotorEfforts(model, a, data.tau);
   inner::addFrictionEfforts(model, v, 1, data.tau);
+  inner::checkResult("rnea", model, data.tau);
   return data.tau;
 }
 
@@ -103,6 +104,7 @@ const Eigen::VectorXd& nonLinearEffects(const Model& model, Data& data, const Co
                             nullptr, inner::treeOut(model, work, data.nle));
   inner::gather(model, work, data.nle);
   inner::addFrictionEfforts(model, v, 1, data.nle);
+  inner::checkResult("nonLinearEffects", model, data.nle);
   return data.nle;
 }
 

@@ -168,7 +168,7 @@ JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3
 }
 
 JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
-                           const std::string& joint_name, const JointLimits& limits) {
+                           const std::string& joint_name, const JointLimits& limits, FrameIndex parentFrame) {
   // check everything first, so that a refused joint leaves no trace
   requireJoint("addJoint", parent);
   if (joint.kind() == JointKind::Fixed)
@@ -177,6 +177,8 @@ JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3
   if (existFrame(joint_name, JOINT))
     fail("addJoint: a frame '" + joint_name + "' of type JOINT exists already");
   requirePose("addJoint '" + joint_name + "'", placement);
+  if (parentFrame >= nframes)
+    fail("addJoint '" + joint_name + "': parent frame " + std::to_string(parentFrame) + " does not exist");
   const int joint_nq = joint.kind_nq(), joint_nv = joint.kind_nv();
   const Bounds effort = bounds(joint_name, "effort", limits.lowerEffort, limits.upperEffort, joint_nv);
   const Bounds speed = bounds(joint_name, "velocity", limits.lowerVelocity, limits.upperVelocity, joint_nv);
@@ -212,7 +214,8 @@ JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3
   appendBlock(joints.back());
   hash(parent);
   hash(static_cast<int>(joint.kind()));
-  const FrameIndex parent_frame = getFrameId(names[parent], FrameType(JOINT | FIXED_JOINT));
+  const FrameIndex parent_frame =
+      parentFrame >= 0 ? parentFrame : getFrameId(names[parent], FrameType(JOINT | FIXED_JOINT));
   addFrame(Frame(joint_name, index, parent_frame, SE3::Identity(), JOINT));
   return index;
 }

@@ -79,8 +79,9 @@ class Model {
   // neutral in the parent joint's frame. Returns its index.
   JointIndex addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
                       const std::string& name);
+  // `parentFrame`: the frame it hangs on in tree prints (a link, say); -1: the parent joint's own.
   JointIndex addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
-                      const std::string& name, const JointLimits& limits);
+                      const std::string& name, const JointLimits& limits, FrameIndex parentFrame = -1);
   // With symmetric limits: effort and velocity (joint nv entries, >= 0), lower and upper (joint nq entries).
   JointIndex addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
                       const std::string& name, const Eigen::VectorXd& effort, const Eigen::VectorXd& velocity,

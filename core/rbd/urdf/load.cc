@@ -70,12 +70,13 @@ class Builder {
       model_.addFrame(Frame(joint.name, carrier, above, placement, FIXED_JOINT));
       add_link(child, carrier, placement, last_frame());
     } else {
-      const JointIndex index = add_moving(joint, carrier, placement);
+      const JointIndex index = add_moving(joint, carrier, above, placement);
       add_link(child, index, SE3::Identity(), last_frame());
     }
   }
 
-  JointIndex add_moving(const ::urdf::Joint& joint, JointIndex carrier, const SE3& placement) {
+  JointIndex add_moving(const ::urdf::Joint& joint, JointIndex carrier, FrameIndex above,
+                        const SE3& placement) {
     const JointModel kind = kind_of(joint);
     JointLimits limits;
     if (joint.limits) {
@@ -90,7 +91,7 @@ class Builder {
         limits.upperPosition = all(joint.limits->upper);
       }
     }
-    const JointIndex index = model_.addJoint(carrier, kind, placement, joint.name, limits);
+    const JointIndex index = model_.addJoint(carrier, kind, placement, joint.name, limits, above);
     if (joint.dynamics) {
       const int v = model_.joints[index].idx_v(), nv = kind.kind_nv();
       model_.damping.segment(v, nv).setConstant(joint.dynamics->damping);

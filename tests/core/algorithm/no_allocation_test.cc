@@ -94,6 +94,52 @@ TEST(NoAllocation, AfterConstruction) {
   EXPECT_EQ(0, count([&] { neutral(model, q); }));
   EXPECT_EQ(0, count([&] { randomConfiguration(model, engine, q); }));
 
+  Eigen::MatrixXd N(model.nv, model.nv), K(model.nv, model.nv), A(6, model.nv), B(6, model.nv),
+      C(6, model.nv);
+  const FrameWrenches push = {{3, Force(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)), LOCAL}};
+  EXPECT_EQ(0, count([&] { rnea(model, data, s.q, s.v, s.a, push); }));
+  EXPECT_EQ(0, count([&] { aba(model, data, s.q, s.v, s.tau, push); }));
+  EXPECT_EQ(0, count([&] { computeStaticTorque(model, data, s.q, push); }));
+  EXPECT_EQ(0, count([&] { computeCoriolisMatrix(model, data, s.q, s.v, M); }));
+  EXPECT_EQ(0, count([&] { computeRNEADerivatives(model, data, s.q, s.v, s.a, M, N); }));
+  EXPECT_EQ(0, count([&] { computeABADerivatives(model, data, s.q, s.v, s.tau, M, N, K); }));
+  EXPECT_EQ(0, count([&] { computeStaticTorqueDerivatives(model, data, s.q, push); }));
+  EXPECT_EQ(0, count([&] {
+              crba(model, data, s.q);
+              cholesky::decompose(model, data);
+              cholesky::solve(model, data, x);
+              cholesky::multiply(model, data, x);
+            }));
+  EXPECT_EQ(0, count([&] {
+              computeJointJacobiansTimeVariation(model, data, s.q, s.v);
+              getFrameJacobianTimeVariation(model, data, 5, LOCAL, J);
+            }));
+  EXPECT_EQ(0, count([&] {
+              computeForwardKinematicsDerivatives(model, data, s.q, s.v, s.a);
+              getFrameVelocityDerivatives(model, data, 5, LOCAL, A, B);
+              getFrameAccelerationDerivatives(model, data, 5, WORLD, A, B, C, J);
+            }));
+  EXPECT_EQ(0, count([&] { (void)getFrameClassicalAcceleration(model, data, 5, LOCAL); }));
+  EXPECT_EQ(0, count([&] { computeCentroidalMap(model, data, s.q, A); }));
+  EXPECT_EQ(0, count([&] { dccrba(model, data, s.q, s.v); }));
+  EXPECT_EQ(0, count([&] { computeSubtreeCentersOfMass(model, data, s.q, s.v, s.a); }));
+  EXPECT_EQ(0, count([&] { jacobianSubtreeCenterOfMass(model, data, s.q, 3, Jcom); }));
+  EXPECT_EQ(0, count([&] { computeAllTerms(model, data, s.q, s.v); }));
+  EXPECT_EQ(0, count([&] { distance(model, s.q, q); }));
+  EXPECT_EQ(0, count([&] { dIntegrate(model, s.q, s.v, M, ARG0); }));
+  EXPECT_EQ(0, count([&] { dDifference(model, s.q, q, M, ARG1); }));
+
+  // joints of every kind that follow others
+  const Model tree = testing::randomTree(4, 30, true);
+  ASSERT_FALSE(tree.tree().mimic.identity);
+  const testing::State w = testing::randomState(tree, 4);
+  Data followed(tree);
+  EXPECT_EQ(0, count([&] {
+              computeAllTerms(tree, followed, w.q, w.v);
+              computeABADerivatives(tree, followed, w.q, w.v, w.tau);
+              rnea(tree, followed, w.q, w.v, w.a);
+            }));
+
   // reaching, giving up after restarts, and resting, with more rows than Eigen's small products take
   IkScratch ik(model, 3);
   IkOptions options;

@@ -99,6 +99,17 @@ void failOrder(const char* function, const char* what) {
   throw std::invalid_argument(std::string(function) + ": call " + what + " first");
 }
 
+void failOverflow(const char* function, const Model& model, const Eigen::VectorXd& result) {
+  int at = 0;
+  while (std::isfinite(result[at])) ++at;
+  JointIndex joint = 1;
+  while (model.joints[joint].idx_v() + model.joints[joint].nv() <= at) ++joint;
+  std::ostringstream text;
+  text << function << ": the result for joint '" << model.names[joint] << "' is " << result[at]
+       << ": the state or the model's numbers are too large";
+  throw std::runtime_error(text.str());
+}
+
 void failSingular(const char* function, const Model& model, int dof, double d) {
   int joint = 1;  // the one that owns the dof: followers have none
   while (dof < model.joints[joint].idx_v() || dof >= model.joints[joint].idx_v() + model.joints[joint].nv())

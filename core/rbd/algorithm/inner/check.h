@@ -13,6 +13,7 @@ namespace rbd::inner {
 [[noreturn]] void failIndex(const char* function, const char* what, int index, int count, const Model& model);
 [[noreturn]] void failWrench(const char* function, const std::string& frame);
 [[noreturn]] void failOrder(const char* function, const char* what);
+[[noreturn]] void failOverflow(const char* function, const Model& model, const Eigen::VectorXd& result);
 [[noreturn]] void failSingular(const char* function, const Model& model, int dof, double d);
 
 bool fits(const Model& model, const Data& data);
@@ -75,6 +76,11 @@ inline void checkOut(const char* function, const char* name, const Model& model,
 
 inline void checkOut(const char* function, const char* name, const MatrixRef& m, int rows, int cols) {
   if (m.rows() != rows || m.cols() != cols) failMatrix(function, name, m, rows, cols);
+}
+
+// A result: finite inputs can still be too large.
+inline void checkResult(const char* function, const Model& model, const Eigen::VectorXd& result) {
+  if (!allFinite(result.data(), result.size())) failOverflow(function, model, result);
 }
 
 inline void checkFrame(const char* function, const Model& model, FrameIndex frame) {
