@@ -11,19 +11,21 @@ namespace rbd {
 namespace inner {
 
 // Featherstone 2008, table 7.1, in world axes, so that inertias and forces of children simply add to their
-// parent's. One change: pass 1 also finds the acceleration that velocities and gravity alone would give each
-// body (all qdd = 0) and the force it takes. Passes 2 and 3 work relative to it, so the table's term IA c is
-// never needed. A joint of several dofs is eliminated one dof after the other, as if massless bodies stood
-// between them.
+// parent's. s.column[k] is the table's S, dof by dof. Changes:
+// - pass 1 also finds the acceleration a that velocities and gravity alone would give (all qdd = 0), and f,
+//   the force it takes: the table's pA plus I a. Passes 2 and 3 work relative to it: no term Ia c, and pass
+//   3 starts from 0 instead of minus gravity;
+// - D holds the rotor of the dof too; forces from outside are in tau already, as J' f;
+// - the dofs of one joint are eliminated one by one, as if massless bodies stood between them.
 template <class S>
 int abaKernel(const Model& model, const double* rotor, Scratch<S>& s, const S* q, const S* qd, const S* tau,
-              S* qdd, S& d) {
+              S* qdd, S& D) {
   const Joints& joints = model.tree().joints;
   const int n = model.tree().size();
-  angles(model, q, s);
+  sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
 
-  // pass 1, outward: velocities, and the bias force f of each body
+  // pass 1, outward: velocities, accelerations at qdd = 0, and the force f they take
   s.v[0] = Motion<S>::zero();
   s.a[0] = {Vec3<S>::zero(), -gravity<S>(model)};
   for (int i = 1; i < n; ++i) {
@@ -31,18 +33,19 @@ int abaKernel(const Model& model, const double* rotor, Scratch<S>& s, const S* q
     worldColumns(joint, i, s);
     const Motion<S> vJ = jointMotion(joint, qd, s);
     s.v[i] = s.v[joint.parent] + vJ;
-    s.a[i] = s.a[joint.parent] + cross(s.v[joint.parent], vJ);
+    s.a[i] = s.a[joint.parent] + cross(s.v[joint.parent], vJ);  // = v[i] x vJ, as vJ x vJ = 0
     const RigidInertia<S> I = worldInertia(joint, s.R[i], s.p[i]);
     s.f[i] = I * s.a[i] + crossForce(s.v[i], I * s.v[i]);
     s.IA[i] = ArticulatedInertia<S>::rigid(I);
   }
 
-  // pass 2, inward: what each joint feels of everything beyond it
-  const int singular = articulate(joints, rotor, s, d, [&](int i, int k, const Motion<S>& column) {
-    s.u[k] = tau[k] - dot(column, s.f[i]);
+  // pass 2, inward. articulate: U = IA S, D = S' U + rotor, then the lambda, then IA -= U U' / D (the table's
+  // Ia), and IA and f onto the parent. The lambda, per dof: u, and what it adds to f (the table's pa)
+  const int singular_dof = articulate(joints, rotor, s, D, [&](int i, int k) {
+    s.u[k] = tau[k] - dot(s.column[k], s.f[i]);
     s.f[i] = s.f[i] + s.U[k] * (s.u[k] * s.inverseD[k]);
   });
-  if (singular >= 0) return singular;
+  if (singular_dof >= 0) return singular_dof;
 
   // pass 3, outward: accelerations, relative to those of pass 1
   s.a[0] = Motion<S>::zero();
@@ -71,18 +74,20 @@ const Eigen::VectorXd& solveMotion(const Model& model, Data& data, const ConstVe
                                    const ConstVectorRef& v) {
   inner::Workspace& work = data.work();
   if (!model.tree().mimic.identity) {
-    // followers close loops, which articulated bodies cannot pass: M a = tau - nle
+    // a mimic joint ties dofs of different bodies, which table 7.1 cannot: M a = tau - nle, friction in nle
     data.ddq = work.effort - nonLinearEffects(model, data, q, v);
     crba(model, data, q);
     cholesky::decompose(model, data);
     cholesky::solve(model, data, data.ddq);
+    inner::checkResult("aba", model, data.ddq);
     return data.ddq;
   }
+  // nothing mimics: the tree's q, v and tau are the user's; friction takes its part of tau
   inner::addFrictionEfforts(model, v, -1, work.effort);
-  double d = 0;
-  const int singular = inner::abaKernel(model, inner::rotors(model, work), work.d, q.data(), v.data(),
-                                        work.effort.data(), data.ddq.data(), d);
-  if (singular >= 0) inner::failSingular("aba", model, singular, d);
+  double D = 0;
+  const int singular_dof = inner::abaKernel(model, inner::rotors(model, work), work.d, q.data(), v.data(),
+                                            work.effort.data(), data.ddq.data(), D);
+  if (singular_dof >= 0) inner::failSingular("aba", model, singular_dof, D);
   inner::checkResult("aba", model, data.ddq);
   return data.ddq;
 }

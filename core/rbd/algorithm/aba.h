@@ -1,7 +1,8 @@
 // Forward dynamics: articulated bodies.  a = M(q)^-1 (tau - nle(q, v)), without forming M.
 // Source: Featherstone 2008, table 7.1.
 //
-// Models with mimic joints are solved by M = U D U' instead: O(n^3).
+// Models with mimic joints form M and factorise it instead: O(n^3), overwriting data.nle, data.M, data.U,
+// data.D.
 //
 // Throws std::runtime_error naming the joint when its articulated inertia is singular (a massless tip, say).
 #pragma once

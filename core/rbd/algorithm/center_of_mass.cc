@@ -116,7 +116,7 @@ const PaddedMatrix& jacobianCenterOfMass(const Model& model, Data& data, const C
   inner::storeCom("jacobianCenterOfMass", model, data);
   Scratch<double>& s = data.work().d;
   const Joints& joints = model.tree().joints;
-  double* const out = inner::treeColumns(model, data.work().Jcom, data.Jcom);
+  double* const out = inner::treeOut(model, data.work().Jcom, data.Jcom);
   carriedMasses(model, s);
   for (int i = 1; i < model.tree().size(); ++i) {
     worldColumns(joints[i], i, s);

@@ -89,7 +89,7 @@ const PaddedMatrix& computeCentroidalMap(const Model& model, Data& data, const C
   const Vec com = inner::storeCom("computeCentroidalMap", model, data);
   Scratch<double>& s = data.work().d;
   const Joints& joints = model.tree().joints;
-  double* const Ag = inner::treeColumns(model, data.work().Ag, data.Ag);
+  double* const Ag = inner::treeOut(model, data.work().Ag, data.Ag);
   worldColumns(joints, s);
   worldInertias(joints, s);
   s.I[0] = inner::RigidInertia<double>{};
@@ -127,7 +127,7 @@ const PaddedMatrix& computeCentroidalMapTimeVariation(const Model& model, Data& 
   const Vec com = inner::fromEigen(data.com[0]) - s.centre,
             vcom = inner::fromEigen(data.hg.linear() / data.mass[0]);
   data.vcom[0] = inner::toEigen(vcom);
-  double* const dAg = inner::treeColumns(model, work.Ag, data.dAg);
+  double* const dAg = inner::treeOut(model, work.Ag, data.dAg);
   inner::motionRates(joints, inner::treeV(model, work.v, v), nullptr, inner::Motion<double>::zero(), s);
   worldInertias(joints, s);
   for (int i = 1; i < model.tree().size(); ++i) s.dI[i] = inertiaRate(s.I[i], s.v[i]);

@@ -14,7 +14,7 @@ void coriolisKernel(const Model& model, const int* dof_parent, Scratch<double>& 
                     const double* qd, double* C, int stride) {
   const Joints& joints = model.tree().joints;
   const int nv = model.tree().nv;
-  angles(model, q, s);
+  sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
   motionRates(joints, qd, nullptr, Motion<double>::zero(), s);
   for (int i = 1; i < model.tree().size(); ++i) {
@@ -52,8 +52,7 @@ const PaddedMatrix& computeCoriolisMatrix(const Model& model, Data& data, const 
   inner::checkInputs("computeCoriolisMatrix", model, data, q, "v", v);
   inner::Workspace& work = data.work();
   inner::coriolisKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
-                        inner::treeV(model, work.v, v), inner::treeColumns(model, work.M, data.C),
-                        work.stride);
+                        inner::treeV(model, work.v, v), inner::treeOut(model, work.M, data.C), work.stride);
   inner::gatherBothSides(model, work.M, data.C);
   return data.C;
 }

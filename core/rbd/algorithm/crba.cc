@@ -10,12 +10,13 @@ namespace inner {
 
 // Featherstone 2008, table 6.2, written in world axes: composite inertias add without any transform, and one
 // force F serves all ancestors. Entry (l, k) is the force along dof l that accelerating dof k asks for; it is
-// zero where neither dof moves the other.
+// zero where neither dof carries the other. s.column[k] is the table's S, dof by dof; dof_parent[k] its
+// lambda: the next dof inward of k, in the same joint or an ancestor's, -1: none.
 template <class S>
 void crbaKernel(const Model& model, const int* dof_parent, Scratch<S>& s, const S* q, S* M, int stride) {
   const Joints& joints = model.tree().joints;
   const int nv = model.tree().nv;
-  angles(model, q, s);
+  sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
   worldColumns(joints, s);
   worldInertias(joints, s);
@@ -23,10 +24,10 @@ void crbaKernel(const Model& model, const int* dof_parent, Scratch<S>& s, const 
     for (int l = 0; l < nv; ++l) M[k * stride + l] = S(0);
   }
 
-  s.I[0] = RigidInertia<S>{};
+  s.I[0] = RigidInertia<S>{};  // sums up too, never read
   for (int i = model.tree().size() - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
-    // I[i] holds body i and all its children by now
+    // by now I[i] is the table's Ic: body i and everything beyond it
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
       const Force<S> F = s.I[i] * s.column[k];
       M[k * stride + k] = dot(s.column[k], F);
@@ -47,8 +48,9 @@ template void crbaKernel(const Model&, const int*, Scratch<long double>&, const 
 const PaddedMatrix& crba(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("crba", model, data, q);
   inner::Workspace& work = data.work();
+  // treeX, gather: through the map of mimic joints (inner/mimic.h); nothing to do if nothing mimics
   inner::crbaKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
-                    inner::treeColumns(model, work.M, data.M), work.stride);
+                    inner::treeOut(model, work.M, data.M), work.stride);
   inner::gatherBothSides(model, work.M, data.M);
   for (int k = 0; k < model.nv; ++k) data.M(k, k) += inner::rotorOf(model, k);
   return data.M;

@@ -1,4 +1,4 @@
-// The joint-space inertia matrix M(q), armature included, both sides filled.
+// The joint-space inertia matrix M(q), rotors included as model.terms says, both sides filled.
 // Source: composite rigid bodies, Featherstone 2008, table 6.2.
 #pragma once
 

@@ -23,7 +23,7 @@ void rneaDerivativesKernel(const Model& model, const int* dof_parent, Scratch<do
                            const double* qd, const double* qdd, const Derivatives& out) {
   const Joints& joints = model.tree().joints;
   const int nv = model.tree().nv;
-  angles(model, q, s);
+  sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
   motionRates(joints, qd, qdd, {Vec3<double>::zero(), -gravity<double>(model)}, s);
   for (int i = 1; i < model.tree().size(); ++i) {
@@ -96,8 +96,8 @@ void computeRNEADerivatives(const Model& model, Data& data, const ConstVectorRef
                             const ConstVectorRef& a) {
   inner::checkInputs("computeRNEADerivatives", model, data, q, "v", v, "a", a);
   inner::Workspace& work = data.work();
-  const inner::Derivatives out = {inner::treeColumns(model, work.M, data.dtau_dq),
-                                  inner::treeColumns(model, work.M2, data.dtau_dv), work.stride};
+  const inner::Derivatives out = {inner::treeOut(model, work.M, data.dtau_dq),
+                                  inner::treeOut(model, work.M2, data.dtau_dv), work.stride};
   inner::rneaDerivativesKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
                                inner::treeV(model, work.v, v), inner::treeV(model, work.a, a), out);
   inner::gatherBothSides(model, work.M, data.dtau_dq);

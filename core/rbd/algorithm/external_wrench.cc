@@ -42,7 +42,7 @@ void addWrenchEfforts(const char* function, const Model& model, Data& data, cons
   Scratch<double>& s = work.d;
   const Joints& joints = model.tree().joints;
   const double* const tree_q = treeQ(model, work, q);
-  angles(model, tree_q, s);
+  sinesAndCosines(model, tree_q, s);
   worldPoses(joints, tree_q, s);
   for (Force<double>& f : s.f) f = Force<double>::zero();
   for (const FrameWrench& x : wrenches) {
@@ -69,7 +69,7 @@ void addWrenchDerivatives(const char* function, const Model& model, Data& data, 
   const Joints& joints = model.tree().joints;
   const MimicMap& map = model.tree().mimic;
   const double* const tree_q = treeQ(model, work, q);
-  angles(model, tree_q, s);
+  sinesAndCosines(model, tree_q, s);
   worldPoses(joints, tree_q, s);
   worldColumns(joints, s);
   for (const FrameWrench& x : wrenches) {

@@ -62,7 +62,8 @@ struct [[nodiscard]] IkResult {
   explicit operator bool() const { return stop == IkStop::Converged; }
 };
 
-// One line for people: "joint 'elbow' is at its limit: 0.12 m and 0.3 rad from the target, after 31 starts ..".
+// One line for people: "joint 'elbow' is at its limit: 0.12 m and 0.3 rad from the target, after 31 starts
+// ..".
 std::string describe(const Model& model, const IkResult& result);
 
 // Scratch for one thread, for up to `targets` targets at once.

@@ -73,11 +73,11 @@ const PaddedMatrix& computeJointJacobians(const Model& model, Data& data, const 
   inner::Workspace& work = data.work();
   inner::Scratch<double>& s = work.d;
   const double* const tree_q = inner::treeQ(model, work, q);
-  inner::angles(model, tree_q, s);
+  inner::sinesAndCosines(model, tree_q, s);
   inner::worldPoses(model.tree().joints, tree_q, s);
   inner::worldColumns(model.tree().joints, s);
   inner::storeJointPoses(model, data);
-  storeColumns(s.column, s.centre, inner::treeColumns(model, work.J, data.J));
+  storeColumns(s.column, s.centre, inner::treeOut(model, work.J, data.J));
   inner::gatherColumns(model, work.J, data.J);
   return data.J;
 }
@@ -130,7 +130,7 @@ const PaddedMatrix& computeJointJacobiansTimeVariation(const Model& model, Data&
   inner::Workspace& work = data.work();
   inner::Scratch<double>& s = work.d;
   const double* const tree_q = inner::treeQ(model, work, q);
-  inner::angles(model, tree_q, s);
+  inner::sinesAndCosines(model, tree_q, s);
   inner::worldPoses(model.tree().joints, tree_q, s);
   inner::motionRates(model.tree().joints, inner::treeV(model, work.v, v), nullptr,
                      inner::Motion<double>::zero(), s);
@@ -140,8 +140,8 @@ const PaddedMatrix& computeJointJacobiansTimeVariation(const Model& model, Data&
     data.v[j] = data.oMi[j].actInv(
         Motion(inner::toEigen(twist.w), inner::toEigen(twist.v + cross(s.centre, twist.w))));
   }
-  storeColumns(s.column, s.centre, inner::treeColumns(model, work.J, data.J));
-  storeColumns(s.rate, s.centre, inner::treeColumns(model, work.dJ, data.dJ));
+  storeColumns(s.column, s.centre, inner::treeOut(model, work.J, data.J));
+  storeColumns(s.rate, s.centre, inner::treeOut(model, work.dJ, data.dJ));
   inner::gatherColumns(model, work.J, data.J);
   inner::gatherColumns(model, work.dJ, data.dJ);
   return data.dJ;

@@ -4,7 +4,8 @@
 // Joints with one axis have been turned so that they move about or along their local z. kTurnZ and kSlideZ
 // are nearly all there are and come first everywhere; the rest say where q puts the body (displacement),
 // which axes it moves along (S) and no more. The world-axes algorithms take dofs one after the other and see
-// no kind at all. All motion subspaces here are constant in the body: S_dot qd = v x S qd.
+// no kind at all. All motion subspaces here are constant in the body: S_dot qd = v x S qd. In comments S is
+// the book's motion subspace; in the code the type S is the scalar.
 #pragma once
 
 #include <cmath>
@@ -90,7 +91,7 @@ inline Motion<S> subspaceTimes(const PackedJoint& joint, const S* rate) {
       return {Vec3<S>::make(o, o, rate[2]), Vec3<S>::make(rate[0], rate[1], o)};
     case kTranslate:
       return {zero, Vec3<S>::loadU(rate)};
-    default:
+    default:  // kFree: q has the position first, rates the angular part
       return {Vec3<S>::loadU(rate), Vec3<S>::loadU(rate + 3)};
   }
 }
@@ -125,7 +126,7 @@ inline void jointPose(const PackedJoint& joint, const S* q, const Scratch<S>& s,
 
 // m + S rate, in the joint's own axes.
 template <class S>
-inline Motion<S> plusJoint(const PackedJoint& joint, const Motion<S>& m, const S* rate) {
+inline Motion<S> plusS(const PackedJoint& joint, const Motion<S>& m, const S* rate) {
   const S o(0);
   if (joint.kind == kTurnZ) return {m.w + Vec3<S>::make(o, o, rate[0]), m.v};
   if (joint.kind == kSlideZ) return {m.w, m.v + Vec3<S>::make(o, o, rate[0])};
@@ -134,7 +135,7 @@ inline Motion<S> plusJoint(const PackedJoint& joint, const Motion<S>& m, const S
 
 // v x S rate, in the joint's own axes.
 template <class S>
-inline Motion<S> crossJoint(const PackedJoint& joint, const Motion<S>& v, const S* rate) {
+inline Motion<S> crossS(const PackedJoint& joint, const Motion<S>& v, const S* rate) {
   if (joint.kind == kTurnZ) return {crossZ(v.w, rate[0]), crossZ(v.v, rate[0])};
   if (joint.kind == kSlideZ) return {Vec3<S>::zero(), crossZ(v.w, rate[0])};
   return cross(v, subspaceTimes(joint, rate));
@@ -142,7 +143,7 @@ inline Motion<S> crossJoint(const PackedJoint& joint, const Motion<S>& v, const 
 
 // S' f, in the joint's own axes.
 template <class S>
-inline void jointEffort(const PackedJoint& joint, const Force<S>& f, S* tau) {
+inline void transposeS(const PackedJoint& joint, const Force<S>& f, S* tau) {
   if (joint.kind == kTurnZ) {
     tau[0] = f.n[2];
   } else if (joint.kind == kSlideZ) {
@@ -174,7 +175,7 @@ inline void worldPose(const PackedJoint& joint, int i, const S* q, Scratch<S>& s
   }
 }
 
-// The columns of joint i (one per dof), world axes.
+// The columns of S of joint i (one per dof), world axes.
 template <class S>
 inline void worldColumns(const PackedJoint& joint, int i, Scratch<S>& s) {
   Motion<S>* column = &s.column[joint.idx_v];

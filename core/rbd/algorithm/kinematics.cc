@@ -15,11 +15,11 @@ void localMotions(const Model& model, Data& data, const double* q, const double*
   for (int i = 1; i < model.tree().size(); ++i) {
     const PackedJoint& joint = joints[i];
     inner::jointPose(joint, q, s, s.X[i]);
-    s.v[i] = inner::plusJoint(joint, s.X[i].toChild(s.v[joint.parent]), qd + joint.idx_v);
+    s.v[i] = inner::plusS(joint, s.X[i].toChild(s.v[joint.parent]), qd + joint.idx_v);
     if (!qdd) continue;
     const inner::Motion<double> carried =
-        s.X[i].toChild(s.a[joint.parent]) + inner::crossJoint(joint, s.v[i], qd + joint.idx_v);
-    s.a[i] = inner::plusJoint(joint, carried, qdd + joint.idx_v);
+        s.X[i].toChild(s.a[joint.parent]) + inner::crossS(joint, s.v[i], qd + joint.idx_v);
+    s.a[i] = inner::plusS(joint, carried, qdd + joint.idx_v);
   }
   for (JointIndex j = 1; j < model.njoints; ++j) {
     const int body = model.tree().bodyOf[j];
@@ -30,7 +30,7 @@ void localMotions(const Model& model, Data& data, const double* q, const double*
 
 void poses(const Model& model, Data& data, const ConstVectorRef& q) {
   const double* const tree_q = inner::treeQ(model, data.work(), q);
-  inner::angles(model, tree_q, data.work().d);
+  inner::sinesAndCosines(model, tree_q, data.work().d);
   inner::worldPoses(model.tree().joints, tree_q, data.work().d);
   inner::storeJointPoses(model, data);
   inner::storeFramePoses(model, data);

@@ -29,13 +29,13 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
   Scratch<double>& s = work.d;
   const Joints& joints = model.tree().joints;
   const int nv = model.nv, stride = work.stride;
-  angles(model, q, s);
+  sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
   for (int i = 1; i < model.tree().size(); ++i) {
     worldColumns(joints[i], i, s);
     s.IA[i] = ArticulatedInertia<double>::rigid(worldInertia(joints[i], s.R[i], s.p[i]));
   }
-  const int singular = articulate(joints, rotor, s, d, [](int, int, const Motion<double>&) {});
+  const int singular = articulate(joints, rotor, s, d, [](int, int) {});
   if (singular >= 0) return singular;
 
   // inward: row k = - S_k' F / D_k, then F takes U_k times that row. Four columns at a time, from the chunk

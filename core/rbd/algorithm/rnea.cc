@@ -8,25 +8,25 @@
 namespace rbd {
 namespace inner {
 
-// Featherstone 2008, table 5.1, every body in its own axes. qdd may be null: then it is zero.
+// Featherstone 2008, table 5.1, every body in its own axes. Forces from outside are not in here: they enter
+// afterwards as J' f (addWrenchEfforts). qdd may be null: then it is zero.
 template <class S>
 void rneaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const S* qdd, S* tau) {
   const Joints& joints = model.tree().joints;
   const int n = model.tree().size();
-  angles(model, q, s);
+  sinesAndCosines(model, q, s);
 
   // outward: velocities and accelerations; a fixed base that accelerates upwards feels like gravity
   s.v[0] = Motion<S>::zero();
-  s.f[0] = Force<S>::zero();
   s.a[0] = {Vec3<S>::zero(), -gravity<S>(model)};
   for (int i = 1; i < n; ++i) {
     const PackedJoint& joint = joints[i];
     const S* rate = qd + joint.idx_v;
     jointPose(joint, q, s, s.X[i]);
     const Pose<S>& X = s.X[i];
-    s.v[i] = plusJoint(joint, X.toChild(s.v[joint.parent]), rate);
-    s.a[i] = X.toChild(s.a[joint.parent]) + crossJoint(joint, s.v[i], rate);
-    if (qdd) s.a[i] = plusJoint(joint, s.a[i], qdd + joint.idx_v);
+    s.v[i] = plusS(joint, X.toChild(s.v[joint.parent]), rate);
+    s.a[i] = X.toChild(s.a[joint.parent]) + crossS(joint, s.v[i], rate);
+    if (qdd) s.a[i] = plusS(joint, s.a[i], qdd + joint.idx_v);
 
     // the force that gives body i this motion
     const RigidInertia<S> I = {Mat3<S>::load(joint.inertiaO), Vec3<S>::load(joint.moment), S(joint.mass)};
@@ -34,30 +34,11 @@ void rneaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, cons
   }
 
   // inward: each joint carries its body and everything beyond
+  s.f[0] = Force<S>::zero();  // sums up too, never read
   for (int i = n - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
-    jointEffort(joint, s.f[i], tau + joint.idx_v);
+    transposeS(joint, s.f[i], tau + joint.idx_v);
     s.f[joint.parent] = s.f[joint.parent] + s.X[i].toParent(s.f[i]);
-  }
-}
-
-// Gravity alone: a subtree of mass m and first moment h pulls with the wrench (h x g, m g).
-template <class S>
-void gravityKernel(const Model& model, Scratch<S>& s, const S* q, S* tau) {
-  const Joints& joints = model.tree().joints;
-  angles(model, q, s);
-  worldPoses(joints, q, s);
-  const Vec3<S> g = gravity<S>(model);
-  s.f[0] = Force<S>::zero();
-  for (int i = 1; i < model.tree().size(); ++i) {
-    worldColumns(joints[i], i, s);
-    const Vec3<S> c = s.p[i] + times(s.R[i], joints[i].com);
-    const Vec3<S> f = g * S(joints[i].mass);
-    s.f[i] = {cross(c, f), f};
-  }
-  for (int i = model.tree().size() - 1; i > 0; --i) {
-    for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) tau[k] = -dot(s.column[k], s.f[i]);
-    s.f[joints[i].parent] = s.f[joints[i].parent] + s.f[i];
   }
 }
 
@@ -65,15 +46,13 @@ template void rneaKernel(const Model&, Scratch<double>&, const double*, const do
                          double*);
 template void rneaKernel(const Model&, Scratch<long double>&, const long double*, const long double*,
                          const long double*, long double*);
-template void gravityKernel(const Model&, Scratch<double>&, const double*, double*);
-template void gravityKernel(const Model&, Scratch<long double>&, const long double*, long double*);
-
 }  // namespace inner
 
 const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
                             const ConstVectorRef& a) {
   inner::checkInputs("rnea", model, data, q, "v", v, "a", a);
   inner::Workspace& work = data.work();
+  // treeX, gather: through the map of mimic joints (inner/mimic.h); nothing to do if nothing mimics
   inner::rneaKernel(model, work.d, inner::treeQ(model, work, q), inner::treeV(model, work.v, v),
                     inner::treeV(model, work.a, a), inner::treeOut(model, work, data.tau));
   inner::gather(model, work, data.tau);
@@ -112,26 +91,6 @@ void nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q, c
                       VectorRef nle) {
   inner::checkOut("nonLinearEffects", "nle", model, nle, model.nv, "nv");
   nle = nonLinearEffects(model, data, q, v);
-}
-
-const Eigen::VectorXd& computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q) {
-  inner::checkInputs("computeGeneralizedGravity", model, data, q);
-  inner::Workspace& work = data.work();
-  inner::gravityKernel(model, work.d, inner::treeQ(model, work, q), inner::treeOut(model, work, data.g));
-  inner::gather(model, work, data.g);
-  return data.g;
-}
-
-void computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q, VectorRef g) {
-  inner::checkOut("computeGeneralizedGravity", "g", model, g, model.nv, "nv");
-  g = computeGeneralizedGravity(model, data, q);
-}
-
-const Eigen::VectorXd& computeStaticTorque(const Model& model, Data& data, const ConstVectorRef& q,
-                                           const FrameWrenches& wrenches) {
-  data.tau = computeGeneralizedGravity(model, data, q);
-  inner::addWrenchEfforts("computeStaticTorque", model, data, q, wrenches, -1, data.tau);
-  return data.tau;
 }
 
 }  // namespace rbd

@@ -18,7 +18,7 @@ void rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVe
 const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
                             const ConstVectorRef& a, const FrameWrenches& wrenches);
 
-// Efforts at a = 0: Coriolis, centrifugal and gravity: data.nle.
+// Efforts at a = 0: Coriolis, centrifugal, gravity, and friction as model.terms says: data.nle.
 const Eigen::VectorXd& nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q,
                                         const ConstVectorRef& v);
 void nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
@@ -28,7 +28,7 @@ void nonLinearEffects(const Model& model, Data& data, const ConstVectorRef& q, c
 const Eigen::VectorXd& computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q);
 void computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q, VectorRef g);
 
-// Efforts that hold the robot still against gravity and wrenches: data.tau.
+// Efforts that hold the robot still against gravity and wrenches: data.tau. Overwrites data.g.
 const Eigen::VectorXd& computeStaticTorque(const Model& model, Data& data, const ConstVectorRef& q,
                                            const FrameWrenches& wrenches);
 

@@ -1,16 +1,15 @@
-// What the kernels see of a robot: a tree of bodies, each behind a joint of a few simple kinds. Users never
-// see it.
+// What the kernels see of a robot: a tree of bodies, each behind a joint of a few simple kinds. Not for
+// users.
 //
 // It differs from the user's Model in three ways, so that no kernel needs to know of them:
-// - every joint with one axis is TURNED: its kernel frame has the user's origin and a z axis along the joint
-//   axis, so that one kernel moves all of them about or along z. Where the two frames meet (here and at the
-//   public face):  R_user = R_kernel * turn^T;
+// - every joint with one axis is ALIGNED (by `turn`): its kernel frame has the user's origin and a z axis
+//   along the joint axis, so that one kernel moves all of them about or along z. Where the two frames meet
+//   (here and at the public face): R_user = R_kernel * turn^T;
 // - a universal joint is two turning joints with a massless body between;
-// - joints that mimic others are free: the tree has its own q and v (tree.nq, tree.nv entries), which a
-// linear
-//   map makes from the user's; efforts come back by the map's transpose (algorithm/inner/mimic.h).
-// Plain doubles, so that any scalar type can be loaded from them; 3-vectors take 4 places (the last is 0),
-// 3x3 matrices three such columns.
+// - joints that mimic others are independent: the tree has its own q and v (tree.nq, tree.nv entries),
+//   which a linear map makes from the user's; efforts come back by its transpose (algorithm/inner/mimic.h).
+//   Plain doubles, so that any scalar type can be loaded from them; 3-vectors take 4 places (the last is
+//   0), 3x3 matrices three such columns.
 #pragma once
 
 #include <vector>
@@ -60,7 +59,7 @@ struct ConfigurationBlock {
 struct KernelTree {
   std::vector<PackedJoint> joints;  // [0] is the universe
   std::vector<int> bodyOf;          // per joint of the model: the entry of `joints` that moves with it
-  int nq = 0, nv = 0;               // every joint free
+  int nq = 0, nv = 0;               // every joint independent
   MimicMap mimic;
   std::vector<ConfigurationBlock> blocks;  // of the user's q, in order
 

@@ -83,7 +83,8 @@ Eigen::Vector3d matrixToRpy(const Eigen::Matrix3d& R) {
   const double cp = std::hypot(R(0, 0), R(1, 0));
   const double pitch = std::atan2(-R(2, 0), cp);
   if (cp < 1e-15) return {0.0, pitch, std::atan2(-R(0, 1), R(1, 1))};
-  // roll from what is left when yaw is taken back: near pitch = 90 degrees both are ill known, their sum is not
+  // roll from what is left when yaw is taken back: near pitch = 90 degrees both are ill known, their sum is
+  // not
   const double yaw = std::atan2(R(1, 0), R(0, 0)), s = std::sin(yaw), c = std::cos(yaw);
   return {std::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1)), pitch, yaw};
 }

@@ -25,8 +25,8 @@ void check_tree(const Elements& elements, Report& report);
 // Names that the model keeps for itself ("universe", and "root_joint" above a floating base).
 void check_names(const Elements& elements, bool floating_base, Report& report);
 
-// Mimic joints: leaders that exist and move, no cycles, one degree of freedom. `honoured`: the model will have them
-// as followers; otherwise each is told to be free.
+// Mimic joints: leaders that exist and move, no cycles, one degree of freedom. `honoured`: the model will
+// have them as followers; otherwise each is told to be free.
 void check_mimic(const Elements& elements, bool honoured, Report& report);
 
 }  // namespace rbd::urdf

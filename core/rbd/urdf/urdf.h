@@ -6,8 +6,8 @@
 // What comes out: moving joints depth first, brothers in alphabetical order of their names. Fixed joints are
 // welded: the link's inertia goes to the moving joint above it (or to the universe, joint 0), and a frame
 // remains. Frames: one BODY frame a link, and one JOINT or FIXED_JOINT frame a joint, both with the joint's
-// pose. Read: link, inertial, joint (fixed, revolute, continuous, prismatic, planar, floating), limit, dynamics, mimic, visual,
-// collision, material. Anything else is left out and named in the diagnostics.
+// pose. Read: link, inertial, joint (fixed, revolute, continuous, prismatic, planar, floating), limit,
+// dynamics, mimic, visual, collision, material. Anything else is left out and named in the diagnostics.
 //
 // Errors: a file that cannot be used is refused (urdf::Error, whose text has one line per error) and nothing
 // is returned or changed. Nothing is ever printed. Nothing that would compute to NaN is accepted. Source of

@@ -9,22 +9,22 @@
 namespace rbd::inner {
 
 // `rotor`: inertia of the rotor of each dof. Needs IA[i] = rigid inertias, f[i], column. Fills U, inverseD;
-// IA and f of children are added to their parents. `bias(i, k, column)` is called for each dof k of joint i
-// once U[k] and inverseD[k] are known. Returns the dof whose inertia D is singular (D in `d`), or -1.
+// IA and f of children are added to their parents. `eachDof(i, k)` is called for each dof k of joint i
+// once U[k] and inverseD[k] are known. Returns the dof whose inertia D is singular, or -1.
 // Singular: not above 1e-14 of the largest D beyond it, which is what rounding leaves of a true zero.
-template <class S, class Bias>
-inline int articulate(const Joints& joints, const double* rotor, Scratch<S>& s, S& d, Bias&& bias) {
+template <class S, class EachDof>
+inline int articulate(const Joints& joints, const double* rotor, Scratch<S>& s, S& D, EachDof&& eachDof) {
   std::fill(s.largestD.begin(), s.largestD.end(), S(0));
   for (int i = static_cast<int>(joints.size()) - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
     ArticulatedInertia<S>& IA = s.IA[i];
     for (int k = joint.idx_v + joint.nv - 1; k >= joint.idx_v; --k) {
       s.U[k] = IA * s.column[k];
-      d = dot(s.column[k], s.U[k]) + S(rotor[k]);
-      if (!(d > S(1e-14) * s.largestD[i])) return k;
-      s.largestD[i] = std::max(s.largestD[i], d);
-      s.inverseD[k] = S(1) / d;
-      bias(i, k, s.column[k]);
+      D = dot(s.column[k], s.U[k]) + S(rotor[k]);
+      if (!(D > S(1e-14) * s.largestD[i])) return k;  // not <=: catches nan too
+      s.largestD[i] = std::max(s.largestD[i], D);
+      s.inverseD[k] = S(1) / D;
+      eachDof(i, k);
       IA.subtract(s.U[k], s.inverseD[k]);
     }
     if (joint.parent > 0) {

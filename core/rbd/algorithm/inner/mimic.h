@@ -1,4 +1,4 @@
-// Between the user's vectors and those of the kernels' tree, where every joint is free:
+// Between the user's vectors and those of the kernels' tree, where every joint is independent:
 //   q_tree = G q + offset,  v_tree = G v,  tau = G' tau_tree,  M = G' M_tree G,  J = J_tree G.
 //
 // While nothing mimics, G is the identity and the kernels read and write the user's vectors themselves.
@@ -38,7 +38,7 @@ inline void gather(const Model& model, const Workspace& work, Eigen::VectorXd& o
 }
 
 // The same for matrices with one column per dof (rows as they are) ..
-inline double* treeColumns(const Model& model, PaddedMatrix& scratch, PaddedMatrix& out) {
+inline double* treeOut(const Model& model, PaddedMatrix& scratch, PaddedMatrix& out) {
   return model.tree().mimic.identity ? out.data() : scratch.data();
 }
 inline void gatherColumns(const Model& model, const PaddedMatrix& scratch, PaddedMatrix& out) {

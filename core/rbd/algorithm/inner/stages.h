@@ -15,11 +15,12 @@ inline Vec3<S> gravity(const Model& model) {
 
 // sine and cosine of all of q at once.
 template <class S>
-inline void angles(const Model& model, const S* q, Scratch<S>& s) {
+inline void sinesAndCosines(const Model& model, const S* q, Scratch<S>& s) {
   sincosAll(model.tree().nq, q, s.sine.data(), s.cosine.data());
 }
 
-// R, p, centre. The centre is the origin of joint 1.
+// R, p, centre. World axes, but p, columns, inertias and wrenches are all taken about the centre: the origin
+// of joint 1 (a robot far from the world's origin loses no digits).
 template <class S>
 inline void worldPoses(const Joints& joints, const S* q, Scratch<S>& s) {
   const int n = static_cast<int>(joints.size());
@@ -38,7 +39,7 @@ inline void worldColumns(const Joints& joints, Scratch<S>& s) {
   for (int i = 1; i < static_cast<int>(joints.size()); ++i) worldColumns(joints[i], i, s);
 }
 
-// Inertia of body i in world axes: R I R' + m (c.c 1 - c c').
+// Inertia of a joint's body about the centre, world axes: R I R' + m (c.c 1 - c c').
 template <class S>
 inline RigidInertia<S> worldInertia(const PackedJoint& joint, const Mat3<S>& R, const Vec3<S>& p) {
   const Mat3<S> A = timesMatrix(R, joint.inertia);
@@ -59,11 +60,11 @@ inline void worldInertias(const Joints& joints, Scratch<S>& s) {
   for (int i = 1; i < static_cast<int>(joints.size()); ++i) s.I[i] = worldInertia(joints[i], s.R[i], s.p[i]);
 }
 
-// Sum of column * rate over the dofs of one joint.
+// Sum of column * qd over the dofs of one joint.
 template <class S>
-inline Motion<S> jointMotion(const PackedJoint& joint, const S* rate, const Scratch<S>& s) {
-  Motion<S> m = s.column[joint.idx_v] * rate[joint.idx_v];
-  for (int k = joint.idx_v + 1; k < joint.idx_v + joint.nv; ++k) m = m + s.column[k] * rate[k];
+inline Motion<S> jointMotion(const PackedJoint& joint, const S* qd, const Scratch<S>& s) {
+  Motion<S> m = s.column[joint.idx_v] * qd[joint.idx_v];
+  for (int k = joint.idx_v + 1; k < joint.idx_v + joint.nv; ++k) m = m + s.column[k] * qd[k];
   return m;
 }
 

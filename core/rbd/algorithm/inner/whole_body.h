@@ -44,7 +44,7 @@ inline Vec3<double> storeCom(const char* function, const Model& model, Data& dat
 
 inline void worldPosesOf(const Model& model, Data& data, const ConstVectorRef& q) {
   const double* const tree_q = treeQ(model, data.work(), q);
-  angles(model, tree_q, data.work().d);
+  sinesAndCosines(model, tree_q, data.work().d);
   worldPoses(model.tree().joints, tree_q, data.work().d);
 }
 
