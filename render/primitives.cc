@@ -1,5 +1,6 @@
 // The generated meshes of mesh.h, with exact normals.
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "render/mesh.h"
@@ -50,7 +51,7 @@ struct Ring {
   double normal_r, normal_z;
 };
 
-void revolve(Builder& b, const std::vector<Ring>& rings, int segments) {
+void revolve(Builder& b, std::span<const Ring> rings, int segments) {
   std::vector<uint32_t> above;
   for (const Ring& ring : rings) {
     std::vector<uint32_t> here;
@@ -93,9 +94,12 @@ MeshPtr make_cylinder(double radius, double length, int segments) {
   need(segments >= 3 && segments <= 1024, "cylinder: segments must be 3..1024");
   const double h = length / 2;
   Builder b;
-  revolve(b, {{0, h, 0, 1}, {radius, h, 0, 1}}, segments);
-  revolve(b, {{radius, h, 1, 0}, {radius, -h, 1, 0}}, segments);
-  revolve(b, {{radius, -h, 0, -1}, {0, -h, 0, -1}}, segments);
+  const Ring top[] = {{0, h, 0, 1}, {radius, h, 0, 1}};
+  const Ring side[] = {{radius, h, 1, 0}, {radius, -h, 1, 0}};
+  const Ring bottom[] = {{radius, -h, 0, -1}, {0, -h, 0, -1}};
+  revolve(b, top, segments);
+  revolve(b, side, segments);
+  revolve(b, bottom, segments);
   return b.done();
 }
 
