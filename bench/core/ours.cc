@@ -71,7 +71,7 @@ void check(const bench::Bench& bench, const bench::Robot& robot, const rbd::Mode
     const Eigen::VectorXd ddq = d.ddq;
     rbd::computeRNEADerivatives(m, d, q, v, a);
     check.add("|dtau|", both(d.dtau_dq, d.dtau_dv));
-    rbd::computeABADerivatives(m, d, q, v, x.tau[i]);
+    rbd::computeABADerivatives(m, d, q, v, tau);
     check.add("|dddq|", both(d.ddq_dq, d.ddq_dv));
     check.add("|Ag|", rbd::computeCentroidalMap(m, d, q).rightCols(moving).norm());
     d.ddq = ddq;

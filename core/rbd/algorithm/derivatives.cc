@@ -71,8 +71,8 @@ void addFrictionSlopes(const Model& model, const ConstVectorRef& v, PaddedMatrix
 }
 
 // -Minv dtau, where column l of dtau has entries only in the rows that dof l moves or is moved by.
-void minusMinvTimes(const Model& model, const Workspace& work, const PaddedMatrix& Minv,
-                    const PaddedMatrix& dtau, PaddedMatrix& out) {
+void minusMinvTimes(const Model& model, Workspace& work, const PaddedMatrix& Minv, const PaddedMatrix& dtau,
+                    PaddedMatrix& out) {
   if (!model.tree().mimic.identity) {
     for (int l = 0; l < model.nv; ++l) {
       out.col(l).setZero();
@@ -80,12 +80,26 @@ void minusMinvTimes(const Model& model, const Workspace& work, const PaddedMatri
     }
     return;
   }
+  const auto four = [](const double* p) { return *reinterpret_cast<const Lanes4Unaligned*>(p); };
+  const int stride = work.stride;
   for (int at = 0; at < model.nv; ++at) {
     const int l = work.order[at];
-    const auto take = [&](int k) { out.col(l) -= dtau(k, l) * Minv.col(k); };
-    out.col(l).setZero();
-    for (int below = at; below < work.subtreeEnd[at]; ++below) take(work.order[below]);
-    for (int above = work.dofParent[l]; above >= 0; above = work.dofParent[above]) take(above);
+    int count = 0;
+    for (int below = at; below < work.subtreeEnd[at]; ++below) work.related[count++] = work.order[below];
+    for (int above = work.dofParent[l]; above >= 0; above = work.dofParent[above])
+      work.related[count++] = above;
+    // eight rows at a time; strides are multiples of 8
+    const double* const x = dtau.data() + l * stride;
+    for (int row = 0; row < stride; row += 8) {
+      Lanes4 sum{}, next{};
+      for (int n = 0; n < count; ++n) {
+        const int k = work.related[n];
+        sum -= x[k] * four(Minv.data() + k * stride + row);
+        next -= x[k] * four(Minv.data() + k * stride + row + 4);
+      }
+      *reinterpret_cast<Lanes4Unaligned*>(out.data() + l * stride + row) = sum;
+      *reinterpret_cast<Lanes4Unaligned*>(out.data() + l * stride + row + 4) = next;
+    }
   }
 }
 

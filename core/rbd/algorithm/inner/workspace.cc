@@ -67,6 +67,7 @@ Workspace::Workspace(const Model& model) : topology(model.topology()), d(model) 
 
   for (std::vector<Motion<double>>* x : {&kept.column, &kept.rate, &kept.rest, &kept.rest2}) x->resize(nv);
   for (std::vector<Motion<double>>* x : {&kept.v, &kept.a}) x->resize(tree.joints.size());
+  related.resize(nv);
   inside.resize(tree.joints.size());
   eliminationParent = dofParent;
   rotor.assign(static_cast<std::size_t>(model.nv), 0.0);

@@ -61,6 +61,7 @@ struct Workspace {
   std::vector<double> W;        // nv x stride, Minv in depth-first order where that is not the model's
   Scratch<double> d;
   KeptRates kept;
+  std::vector<int> related;  // nv, dofs that one dof moves or is moved by
   std::vector<bool> inside;  // bodies, marks
 
   // of the user's dofs
