@@ -163,7 +163,11 @@ def cpu():
 
 def main():
     o = options()
-    lines = open(o.lines).read().splitlines() if o.lines else measure(o)
+    try:
+        lines = open(o.lines).read().splitlines() if o.lines else measure(o)
+    except OSError as error:
+        say(f"{o.lines}: {error.strerror}; give the lines.txt of an earlier bench")
+        return 2
     results = report.Results(lines)
     o.folder.mkdir(parents=True, exist_ok=True)
     (o.folder / "lines.txt").write_text("\n".join(lines) + "\n")

@@ -2,6 +2,9 @@
 // and finiteness. The good path is a few compares; the messages are built out of line.
 #pragma once
 
+#include <bit>
+#include <cstdint>
+
 #include "rbd/algorithm/kinematics.h"
 
 namespace rbd::inner {
@@ -22,16 +25,14 @@ inline void checkData(const char* function, const Model& model, const Data& data
   if (!fits(model, data)) failData(function, model, data);
 }
 
-// x * 0 is 0 for every finite x and NaN otherwise.
+// Infinity and NaN are the numbers whose exponent has every bit set.
 inline bool allFinite(const double* x, Eigen::Index n) {
-  double a = 0, b = 0;
-  Eigen::Index i = 0;
-  for (; i + 1 < n; i += 2) {
-    a += x[i] * 0.0;
-    b += x[i + 1] * 0.0;
+  bool finite = true;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    constexpr std::uint64_t kExponent = 0x7FF0000000000000;
+    finite &= (std::bit_cast<std::uint64_t>(x[i]) & kExponent) != kExponent;
   }
-  if (i < n) a += x[i] * 0.0;
-  return a + b == 0.0;
+  return finite;
 }
 
 inline void checkQ(const char* function, const char* name, const Model& model, const ConstVectorRef& q) {

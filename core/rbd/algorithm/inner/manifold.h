@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rbd/algorithm/inner/sincos.h"
 #include "rbd/model/model.h"
 #include "rbd/spatial/spatial.h"
 
@@ -16,6 +17,36 @@ namespace rbd::inner {
 inline Eigen::Quaterniond quaternion(const double* q) {
   return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
 }
+
+// The turn by |w| about w, from one sine and cosine: exp3Quaternion(w), and leftJacobian3(w) x (spatial/so3.cc has both,
+// with the reasons for the series).
+class Turn {
+ public:
+  explicit Turn(const double* w) : w_(w[0], w[1], w[2]) {
+    const double t2 = w_.squaredNorm(), t = std::sqrt(t2), half = t / 2;
+    double s[4], c[4];
+    sincosAll(1, &half, s, c);
+    cosine_ = c[0];
+    sine_over_t_ = t < 1e-4 ? 0.5 - t2 / 48 : s[0] / t;
+    second_ = t < 0.1 ? (1 - t2 / 20 * (1 - t2 / 42 * (1 - t2 / 72 * (1 - t2 / 110)))) / 6
+                      : (t - 2 * s[0] * c[0]) / (t * t2);
+  }
+  // q turned by it, of length 1 again: one Newton step is exact, since rounding alone took it away.
+  Eigen::Quaterniond appliedTo(const Eigen::Quaterniond& q) const {
+    const Eigen::Vector3d xyz = sine_over_t_ * w_;
+    const Eigen::Vector4d end = (q * Eigen::Quaterniond(cosine_, xyz.x(), xyz.y(), xyz.z())).coeffs();
+    return Eigen::Quaterniond((1.5 - 0.5 * end.squaredNorm()) * end);
+  }
+  // The way of a body that turns by it while it moves with x, in axes of the start.
+  Eigen::Vector3d way(const Eigen::Vector3d& x) const {
+    const Eigen::Vector3d wx = w_.cross(x);
+    return x + 2 * sine_over_t_ * sine_over_t_ * wx + second_ * w_.cross(wx);
+  }
+
+ private:
+  Eigen::Vector3d w_;
+  double cosine_, sine_over_t_, second_;  // cos(t/2), sin(t/2) / t, (t - sin t) / t^3
+};
 
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
@@ -26,7 +57,7 @@ struct RotationSpace {
   static SmallMatrix right(const double* v) { return leftJacobian3(-vec(v)); }
   static SmallMatrix rightInverse(const double* v) { return leftJacobian3Inverse(-vec(v)); }
   static void integrate(const double* q, const double* v, double* out) {
-    const Eigen::Quaterniond end = (quaternion(q) * exp3Quaternion({v[0], v[1], v[2]})).normalized();
+    const Eigen::Quaterniond end = Turn(v).appliedTo(quaternion(q));
     for (int k = 0; k < 4; ++k) out[k] = end.coeffs()[k];
   }
   static void difference(const double* q0, const double* q1, double* out) {
@@ -42,10 +73,11 @@ struct PoseSpace {
   static SmallMatrix right(const double* v) { return leftJacobian6(minus(v)); }
   static SmallMatrix rightInverse(const double* v) { return leftJacobian6Inverse(minus(v)); }
   static void integrate(const double* q, const double* v, double* out) {
-    const Eigen::Vector3d w(v[0], v[1], v[2]), step = leftJacobian3(w) * Eigen::Vector3d(v[3], v[4], v[5]);
-    const Eigen::Vector3d moved = Eigen::Vector3d(q[0], q[1], q[2]) + quaternion(q + 3) * step;
-    RotationSpace::integrate(q + 3, v, out + 3);
-    for (int k = 0; k < 3; ++k) out[k] = moved[k];
+    const Turn turn(v);
+    const Eigen::Quaterniond start = quaternion(q + 3), end = turn.appliedTo(start);
+    const Eigen::Vector3d moved = start * turn.way({v[3], v[4], v[5]});
+    for (int k = 0; k < 3; ++k) out[k] = q[k] + moved[k];
+    for (int k = 0; k < 4; ++k) out[3 + k] = end.coeffs()[k];
   }
   // through quaternions, which stay accurate up to half a turn
   static void difference(const double* q0, const double* q1, double* out) {
