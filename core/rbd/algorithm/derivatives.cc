@@ -80,7 +80,6 @@ void minusMinvTimes(const Model& model, Workspace& work, const PaddedMatrix& Min
     }
     return;
   }
-  const auto four = [](const double* p) { return *reinterpret_cast<const Lanes4Unaligned*>(p); };
   const int stride = work.stride;
   for (int at = 0; at < model.nv; ++at) {
     const int l = work.order[at];
@@ -94,11 +93,11 @@ void minusMinvTimes(const Model& model, Workspace& work, const PaddedMatrix& Min
       Lanes4 sum{}, next{};
       for (int n = 0; n < count; ++n) {
         const int k = work.related[n];
-        sum -= x[k] * four(Minv.data() + k * stride + row);
-        next -= x[k] * four(Minv.data() + k * stride + row + 4);
+        sum -= x[k] * loadLanes(Minv.data() + k * stride + row);
+        next -= x[k] * loadLanes(Minv.data() + k * stride + row + 4);
       }
-      *reinterpret_cast<Lanes4Unaligned*>(out.data() + l * stride + row) = sum;
-      *reinterpret_cast<Lanes4Unaligned*>(out.data() + l * stride + row + 4) = next;
+      storeLanes(out.data() + l * stride + row, sum);
+      storeLanes(out.data() + l * stride + row + 4, next);
     }
   }
 }

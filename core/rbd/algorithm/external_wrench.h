@@ -12,9 +12,11 @@ namespace rbd {
 //   LOCAL_WORLD_ALIGNED  axes of the world, about the frame's origin: a push at that point
 //   WORLD                axes of the world, about the world's origin
 struct FrameWrench {
-  FrameIndex frame = 0;
+  FrameWrench(FrameIndex f, const Force& w, ReferenceFrame r) : frame(f), wrench(w), reference(r) {}
+
+  FrameIndex frame;
   Force wrench;
-  ReferenceFrame reference = LOCAL;
+  ReferenceFrame reference;
 };
 
 using FrameWrenches = std::vector<FrameWrench>;

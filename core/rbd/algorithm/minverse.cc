@@ -17,9 +17,6 @@ void coordinates(const Vec3<double>& angular, const Vec3<double>& linear, double
   linear.storeU(x + 3);
 }
 
-inline Lanes4 get(const double* p) { return *reinterpret_cast<const Lanes4Unaligned*>(p); }
-inline void put(double* p, Lanes4 x) { *reinterpret_cast<Lanes4Unaligned*>(p) = x; }
-
 // Carpentier 2018: aba for all unit efforts at once, in world axes. Column c of F is the force that the
 // bodies beyond need when dof c is pushed; column c of P the acceleration of the body reached so far. Dofs
 // are taken in depth-first order, where what a dof moves is one range of columns. `W` (row k at W + k stride)
@@ -50,19 +47,19 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
     coordinates(s.U[k].n, s.U[k].f, U);
     const double scale = -s.inverseD[k];
     const int first = at & ~3;
-    for (int c = 0; c < first; c += 4) put(row + c, Lanes4{});
+    for (int c = 0; c < first; c += 4) storeLanes(row + c, Lanes4{});
     for (int c = first; c < end; c += 4) {
       Lanes4 f[6];
-      for (int r = 0; r < 6; ++r) f[r] = get(F + r * stride + c);
+      for (int r = 0; r < 6; ++r) f[r] = loadLanes(F + r * stride + c);
       Lanes4 x =
           scale * ((S[0] * f[0] + S[1] * f[1] + S[2] * f[2]) + (S[3] * f[3] + S[4] * f[4] + S[5] * f[5]));
       const Mask4 place = Mask4{0, 1, 2, 3} + std::int64_t(c);
       x = chooseLanes(place < std::int64_t(end), x, Lanes4{});
       x = chooseLanes(place == std::int64_t(at), Lanes4{} + s.inverseD[k], x);
-      put(row + c, x);
-      for (int r = 0; r < 6; ++r) put(F + r * stride + c, f[r] + U[r] * x);
+      storeLanes(row + c, x);
+      for (int r = 0; r < 6; ++r) storeLanes(F + r * stride + c, f[r] + U[r] * x);
     }
-    for (int c = (end + 3) & ~3; c < stride; c += 4) put(row + c, Lanes4{});
+    for (int c = (end + 3) & ~3; c < stride; c += 4) storeLanes(row + c, Lanes4{});
   }
 
   // outward: what the parents' motion adds, and the motion handed on to the children
@@ -79,16 +76,16 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
       const double scale = -s.inverseD[k];
       for (int c = first; c < nv; c += 4) {
         Lanes4 f[6];
-        for (int r = 0; r < 6; ++r) f[r] = get(up + r * stride + c);
-        const Lanes4 x = get(row + c) + scale * ((U[0] * f[0] + U[1] * f[1] + U[2] * f[2]) +
+        for (int r = 0; r < 6; ++r) f[r] = loadLanes(up + r * stride + c);
+        const Lanes4 x = loadLanes(row + c) + scale * ((U[0] * f[0] + U[1] * f[1] + U[2] * f[2]) +
                                                  (U[3] * f[3] + U[4] * f[4] + U[5] * f[5]));
-        put(row + c, x);
-        for (int r = 0; r < 6; ++r) put(P + r * stride + c, f[r] + S[r] * x);
+        storeLanes(row + c, x);
+        for (int r = 0; r < 6; ++r) storeLanes(P + r * stride + c, f[r] + S[r] * x);
       }
     } else {
       for (int c = first; c < nv; c += 4) {
-        const Lanes4 x = get(row + c);
-        for (int r = 0; r < 6; ++r) put(P + r * stride + c, S[r] * x);
+        const Lanes4 x = loadLanes(row + c);
+        for (int r = 0; r < 6; ++r) storeLanes(P + r * stride + c, S[r] * x);
       }
     }
   }

@@ -6,18 +6,12 @@
 #include <stdexcept>
 
 #include "tests/core/algorithm/random_tree.h"
+#include "tests/core/error_of.h"
 
 namespace rbd {
 namespace {
 
-std::string errorOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "(nothing was thrown)";
-}
+using testing::errorOf;
 
 #define EXPECT_SAYS(text, call) \
   EXPECT_NE(errorOf([&] { call; }).find(text), std::string::npos) << errorOf([&] { call; })
@@ -176,6 +170,18 @@ TEST(Singular, FollowersAreNotBlamed) {
   EXPECT_SAYS("joint 'empty' moves is singular", aba(model, data, zero, zero, zero));
   model.armature << 1, 0;
   EXPECT_SAYS("joint 'leader' moves is singular", aba(model, data, zero, zero, zero));
+}
+
+TEST(Vectors, NumbersOfTheModelThatAreNotFiniteAreNamed) {
+  Model model;
+  buildModels::manipulator(model);
+  model.terms.damping = true;
+  Data data(model);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(6);
+  model.damping[2] = NAN;
+  EXPECT_SAYS("rnea: model.damping[2] is nan", rnea(model, data, zero, zero, zero));
+  model.damping[2] = 0, model.armature[5] = INFINITY;
+  EXPECT_SAYS("rnea: model.armature[5] is inf", rnea(model, data, zero, zero, Eigen::VectorXd::Ones(6)));
 }
 
 TEST(Singular, MasslessTipIsNamed) {

@@ -9,6 +9,7 @@
 #include "rbd/model/sample_geometries.h"
 #include "rbd/rbd.h"
 #include "tests/core/algorithm/random_tree.h"
+#include "tests/core/error_of.h"
 
 namespace rbd {
 namespace {
@@ -19,14 +20,7 @@ using testing::times;
 
 constexpr double kTol = 1e3 * kEps;
 
-std::string errorOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "";
-}
+using testing::errorOf;
 
 Eigen::VectorXd joined(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   Eigen::VectorXd x(a.size() + b.size());

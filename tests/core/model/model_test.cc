@@ -8,6 +8,7 @@
 
 #include "rbd/rbd.h"
 #include "tests/core/algorithm/random_tree.h"
+#include "tests/core/error_of.h"
 
 namespace rbd {
 namespace {
@@ -26,14 +27,7 @@ Model lessonArm() {
   return model;
 }
 
-std::string errorOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "";
-}
+using testing::errorOf;
 
 TEST(Model, StartsWithTheUniverse) {
   const Model model;

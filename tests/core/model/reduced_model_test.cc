@@ -11,6 +11,7 @@
 #include "rbd/model/sample_geometries.h"
 #include "rbd/rbd.h"
 #include "tests/core/algorithm/random_tree.h"
+#include "tests/core/error_of.h"
 
 namespace rbd {
 namespace {
@@ -21,14 +22,7 @@ using testing::times;
 
 constexpr double kTol = 1e3 * kEps;
 
-std::string errorOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "";
-}
+using testing::errorOf;
 
 class Reduced : public ::testing::TestWithParam<int> {
  protected:

@@ -100,6 +100,10 @@ void failOrder(const char* function, const char* what) {
 }
 
 void failOverflow(const char* function, const Model& model, const Eigen::VectorXd& result) {
+  for (const UserVector& x : kUserVectors) {
+    const Eigen::VectorXd& own = model.*x.vector;
+    if (!allFinite(own.data(), own.size())) failVector(function, x.name, own.data(), own.size(), model.nv, "nv", model);
+  }
   int at = 0;
   while (std::isfinite(result[at])) ++at;
   JointIndex joint = 1;

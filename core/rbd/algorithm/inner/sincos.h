@@ -75,13 +75,13 @@ inline void sincosAll<double>(int n, const double* x, double* s, double* c) {
   const auto four = [&](Lanes4 angle, int i) {
     Lanes4 sine, cosine;
     sincos4(angle, sine, cosine);
-    *reinterpret_cast<Lanes4Unaligned*>(s + i) = sine;
-    *reinterpret_cast<Lanes4Unaligned*>(c + i) = cosine;
+    storeLanes(s + i, sine);
+    storeLanes(c + i, cosine);
     const Lanes4 size = chooseLanes(angle < 0.0, -angle, angle);
     largest = chooseLanes(size > largest, size, largest);
   };
   int i = 0;
-  for (; i + 4 <= n; i += 4) four(*reinterpret_cast<const Lanes4Unaligned*>(x + i), i);
+  for (; i + 4 <= n; i += 4) four(loadLanes(x + i), i);
   // the tail is gathered in a register: a wide load over narrow stores would stall
   if (i < n) four(Lanes4{x[i], i + 1 < n ? x[i + 1] : 0, i + 2 < n ? x[i + 2] : 0, 0}, i);
   const double most = std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3]));

@@ -39,13 +39,16 @@ typedef double Lanes4 __attribute__((vector_size(32)));
 typedef double Lanes4Unaligned __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double Lanes2Unaligned __attribute__((vector_size(16), aligned(8), may_alias));
 
+inline Lanes4 loadLanes(const double* p) { return *reinterpret_cast<const Lanes4Unaligned*>(p); }
+inline void storeLanes(double* p, Lanes4 x) { *reinterpret_cast<Lanes4Unaligned*>(p) = x; }
+
 template <>
 struct Vec3<double> {
   Lanes4 d;
 
   static Vec3 zero() { return {Lanes4{}}; }
   static Vec3 make(double x, double y, double z) { return {Lanes4{x, y, z, 0}}; }
-  static Vec3 load(const double* p) { return {*reinterpret_cast<const Lanes4Unaligned*>(p)}; }
+  static Vec3 load(const double* p) { return {loadLanes(p)}; }
   static Vec3 loadU(const double* p) { return {Lanes4{p[0], p[1], p[2], 0}}; }
   // Exactly three places are written.
   void storeU(double* p) const {
@@ -53,7 +56,7 @@ struct Vec3<double> {
     p[2] = d[2];
   }
   // Writes a fourth place as well; for outputs whose next entries are written later.
-  void storeWide(double* p) const { *reinterpret_cast<Lanes4Unaligned*>(p) = d; }
+  void storeWide(double* p) const { storeLanes(p, d); }
   double operator[](int i) const { return d[i]; }
 
   friend Vec3 operator+(Vec3 a, Vec3 b) { return {a.d + b.d}; }
