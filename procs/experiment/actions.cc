@@ -34,17 +34,6 @@ std::string goal_fault(const rbd::Model& model, const Action& action) {
   return "";
 }
 
-std::string push_fault(const rbd::Model& model, const Action& action) {
-  if (!model.existFrame(action.target)) {
-    std::vector<std::string> names;
-    for (const rbd::Frame& frame : model.frames) names.push_back(frame.name);
-    return "no frame '" + action.target + "'" + did_you_mean(action.target, names);
-  }
-  if (std::string fault = count_fault(action, 7); !fault.empty()) return fault + ": torque, force, seconds";
-  if (!(action.values[6] > 0 && action.values[6] <= 60)) return "push for " + number(action.values[6]) + " s, needed more than 0 and at most 60";
-  return "";
-}
-
 std::string set_fault(const Experiment& e, const rbd::Model& model, const Action& action) {
   if (action.target != "controller" && action.target != "planner")
     return "'" + action.target + "' has nothing to set; the controller has kp and kd, the planner motion";
@@ -66,11 +55,26 @@ std::string set_fault(const Experiment& e, const rbd::Model& model, const Action
 
 }  // namespace
 
+std::string push_fault(const rbd::Model& model, const Action& action) {
+  if (std::string fault = frame_fault(model, action.target); !fault.empty()) return fault;
+  if (std::string fault = count_fault(action, 7); !fault.empty()) return fault + ": torque, force, seconds";
+  if (!(action.values[6] > 0 && action.values[6] <= 60)) return "push for " + number(action.values[6]) + " s, needed more than 0 and at most 60";
+  return "";
+}
+
+std::string payload_fault(const rbd::Model& model, const Action& action) {
+  if (std::string fault = frame_fault(model, action.target); !fault.empty()) return fault;
+  if (std::string fault = count_fault(action, 4); !fault.empty()) return fault + ": mass and its place in the frame";
+  if (!(action.values[0] >= 0 && action.values[0] <= 1e6)) return "payload of " + number(action.values[0]) + " kg, needed at least 0 and at most 1e+06";
+  return "";
+}
+
 std::string why_not(const Experiment& e, const rbd::Model& model, const Action& action) {
   for (double value : action.values)
     if (!std::isfinite(value)) return action.verb + ": a value is not finite";
   if (action.verb == "goal") return goal_fault(model, action);
   if (action.verb == "push") return push_fault(model, action);
+  if (action.verb == "payload") return payload_fault(model, action);
   if (action.verb == "set") return set_fault(e, model, action);
   if (action.verb == "estop" || action.verb == "rearm") return "";
   return "there is no action '" + action.verb + "'";

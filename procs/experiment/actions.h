@@ -29,4 +29,8 @@ inline Event ignored(const Action& action, const std::string& process, const std
 /// Why this cannot be asked of this robot in this experiment, so that it is refused at the door; empty if it can.
 std::string why_not(const Experiment&, const rbd::Model&, const Action&);
 
+/// The same for what needs only the robot.
+std::string push_fault(const rbd::Model&, const Action&);
+std::string payload_fault(const rbd::Model&, const Action&);
+
 }  // namespace lab

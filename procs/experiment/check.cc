@@ -30,6 +30,19 @@ std::string warn(const Experiment& e, const std::string& key, const std::string&
 
 std::string percent(double share) { return number(std::round(1000 * share) / 10) + " %"; }
 
+/// What of the disturbances is not as it stands in the file.
+void check_disturbances(const Experiment& e, const simulator::Config& plant, std::vector<std::string>& warnings) {
+  const double dt = e.simulator.dt;
+  if (const double delay = static_cast<double>(plant.sensors.delay) * dt; std::abs(delay - e.simulator.delay) > 1e-9 * dt)
+    warnings.push_back(warn(e, "simulator.delay", "is not a whole number of steps; the delay is " + number(delay) + " s"));
+  const auto late = [&](const std::string& key, size_t i, double time) {
+    if (std::llround(time / dt) >= e.last_step())
+      warnings.push_back(warn(e, key + "[" + std::to_string(i) + "].time", number(time) + " s is after the end of the run: it never comes"));
+  };
+  for (size_t i = 0; i < e.simulator.pushes.size(); ++i) late("simulator.pushes", i, e.simulator.pushes[i].time);
+  for (size_t i = 0; i < e.simulator.payloads.size(); ++i) late("simulator.payloads", i, e.simulator.payloads[i].time);
+}
+
 }  // namespace
 
 double stability_ratio(const Eigen::MatrixXd& Minv, const Eigen::VectorXd& kp, const Eigen::VectorXd& damping,
@@ -75,13 +88,17 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
                             "is not a whole number of steps; the run takes " +
                                 number(static_cast<double>(e.last_step()) * e.simulator.dt) + " s"));
 
+  check_disturbances(e, plant, warnings);
+
   // along the planned path: speeds, and how stable the loop and the explicit friction are
   rbd::Data data(model);
   planner::State state = planner::initial(plan);
-  Worst loop, friction;
+  Worst loop, friction, stops;
   Eigen::VectorXd speed = Eigen::VectorXd::Zero(model.nv);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.nv),
                         drag = plant.damping + plant.friction / kSlipSpeed;  // slope at v = 0
+  Eigen::VectorXd stop_stiffness = none, stop_damping = none;
+  for (const simulator::SoftStop& stop : plant.disturbances.stops) stop_stiffness[stop.v] = stop.stiffness, stop_damping[stop.v] = stop.damping;
   const bool euler = plant.integrator == simulator::Integrator::SemiImplicitEuler;
   const double h = e.simulator.dt * static_cast<double>(e.controller.every);
   const auto note = [](Worst& worst, double ratio, double time) {
@@ -99,6 +116,7 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
     else if (control.kind->name != std::string("none"))
       note(loop, stability_ratio(Minv, control.kp, control.kd, h), time);
     if (euler) note(friction, stability_ratio(Minv, none, drag, e.simulator.dt), time);
+    if (!plant.disturbances.stops.empty()) note(stops, stability_ratio(Minv, stop_stiffness, stop_damping, e.simulator.dt), time);
   }
   for (int i = 0; i < model.nv; ++i)
     if (speed[i] > model.upperVelocityLimit[i])
@@ -116,6 +134,7 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   judge(loop, "controller.kd", "the gains are", "lower them, shorten dt or give the joints armature");
   judge(friction, "simulator.damping", "damping and friction are",
         "lower them, shorten dt or take integrator rk4");
+  judge(stops, "simulator.limit_repulsion.stiffness", "the soft stops are", "lower stiffness and damping, shorten dt or give the joints armature");
   return warnings;
 }
 

@@ -98,7 +98,9 @@ Energy balance(const Run& run) {
   for (size_t k = 0; k < run.states.size(); ++k) {
     const RobotState& s = run.states[k];
     const double kinetic = rbd::computeKineticEnergy(run.model, data, s.q, s.v);
-    const double energy = kinetic + rbd::computePotentialEnergy(run.model, data, s.q);
+    double energy = kinetic + rbd::computePotentialEnergy(run.model, data, s.q);
+    if (!run.stored.empty()) energy += run.stored[k];
+    if (!run.given.empty()) out.work += run.given[k];
     if (k == 0) {
       out.first = energy;
     } else {

@@ -36,6 +36,23 @@ struct Bound {
   bool operator==(const Bound&) const = default;
 };
 
+/// A wrench on a frame for a while: world axes, about the frame's origin.
+struct PlannedPush {
+  double time = 0, duration = 0;              ///< s
+  std::string frame;
+  std::array<double, 3> force{}, torque{};    ///< N, Nm
+  bool operator==(const PlannedPush&) const = default;
+};
+
+/// A point mass that is fixed to a frame from some time on, in place of what it carried before.
+struct PlannedPayload {
+  double time = 0;  ///< s
+  std::string frame;
+  double mass = 0;               ///< kg
+  std::array<double, 3> com{};   ///< m, in the frame's axes
+  bool operator==(const PlannedPayload&) const = default;
+};
+
 /// Dry friction is smoothed to friction * tanh(v / kSlipSpeed): rad/s, m/s.
 inline constexpr double kSlipSpeed = 0.01;
 
@@ -66,6 +83,19 @@ struct Experiment {
     JointValues friction;                            ///< Nm, N
     std::array<double, 3> gravity{0, 0, -9.81};      ///< m/s2
     bool allow_fall = false;
+    struct Noise {
+      JointValues q, v;  ///< standard deviation of what the sensors say: rad, m; rad/s, m/s
+      bool operator==(const Noise&) const = default;
+    } noise;
+    double delay = 0;  ///< s: how old what the sensors say is
+    std::vector<PlannedPush> pushes;
+    std::vector<PlannedPayload> payloads;
+    struct LimitRepulsion {
+      JointValues stiffness;  ///< Nm/rad, N/m; 0 = off
+      JointValues damping;    ///< Nm s/rad, N s/m, at the limit
+      JointValues margin;     ///< rad, m: how far before the limit it begins
+      bool operator==(const LimitRepulsion&) const = default;
+    } limit_repulsion;
     bool operator==(const Simulator&) const = default;
   } simulator;
 

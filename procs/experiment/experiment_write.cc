@@ -87,6 +87,16 @@ class Writer {
     if (bound.max) sides["max"] = *bound.max;
     return text(sides);
   }
+  template <HasParts T>
+  std::string text(const T& item) const {
+    std::string all;
+    for_each_part(item, [&](const Key& part, const auto& member) { all += (all.empty() ? "" : ", ") + std::string(part.name) + ": " + text(member); });
+    return "{" + all + "}";
+  }
+  template <HasParts T>
+  std::string text(const std::vector<T>& items) const {
+    return items.empty() ? "" : list(items);
+  }
   std::string text(const std::vector<JointValues>& values) const { return values.empty() ? "" : list(values); }
   std::string text(const JointValues& values) const {
     if (const auto* one = std::get_if<double>(&values.value)) return text(*one);

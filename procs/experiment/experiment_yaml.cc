@@ -131,6 +131,41 @@ void read(const YAML::Node& node, const Key& key, std::vector<JointValues>& valu
   }
 }
 
+/// A map with known parts, as an item of a list.
+template <HasParts T>
+void read_item(const YAML::Node& node, T& value) {
+  std::vector<std::string> known;
+  for_each_part(value, [&](const Key& part, auto&) { known.push_back(part.name); });
+  if (!node.IsMap()) throw Fault{"must be a map with " + list_of(known) + ", not " + show(node)};
+  for (const auto& part : node)
+    if (const auto name = part.first.as<std::string>(""); std::find(known.begin(), known.end(), name) == known.end()) {
+      const std::string near = did_you_mean(name, known);
+      throw Fault{"is not known" + (near.empty() ? "; there are " + list_of(known) : near), "." + name};
+    }
+  for_each_part(value, [&](const Key& part, auto& member) {
+    const YAML::Node given = node[part.name];
+    try {
+      if (given) read(given, part, member);
+      else if (part.standard == std::string(kMustBeGiven)) throw Fault{"is missing"};
+    } catch (const Fault& fault) {
+      throw Fault{fault.message, std::string(".") + part.name};
+    }
+  });
+}
+
+template <HasParts T>
+void read(const YAML::Node& node, const Key&, std::vector<T>& value) {
+  if (!node.IsSequence()) throw Fault{"must be a list of maps, not " + show(node)};
+  for (const YAML::Node& item : node) {
+    const std::string at = "[" + std::to_string(value.size()) + "]";
+    try {
+      read_item(item, value.emplace_back());
+    } catch (const Fault& fault) {
+      throw Fault{fault.message, at + fault.below};
+    }
+  }
+}
+
 void read(const YAML::Node& node, const Key&, std::map<std::string, std::string>& value) {
   if (!node.IsMap()) throw Fault{"must be a map name: command, not " + show(node)};
   for (const auto& item : node) {
@@ -311,9 +346,9 @@ Experiment parse_experiment(const std::string& text, const std::string& file,
       read(leaf->second, key, member);
     } catch (const Fault& fault) {
       const std::string path = key.name + fault.below;
-      const auto part = document.where.find(path);
-      faults.push_back((part != document.where.end() ? part->second : document.where[key.name]) + ": " +
-                       path + ": " + fault.message);
+      std::string at = path;  // what is missing stands nowhere: then where it should be
+      while (!document.where.contains(at)) at.resize(at.find_last_of(".["));
+      faults.push_back(document.where[at] + ": " + path + ": " + fault.message);
     }
   });
   experiment.where = std::move(document.where);

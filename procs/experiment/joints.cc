@@ -116,6 +116,14 @@ std::string joint_fault(const rbd::Model& model, const std::string& name) {
   return "'" + model.name + "' has no such joint" + (near.empty() ? "; it has " + list_of(names) : near);
 }
 
+std::string frame_fault(const rbd::Model& model, const std::string& name) {
+  if (model.existFrame(name))
+    return model.frames[model.frameId(name)].parentJoint > 0 ? "" : "frame '" + name + "' stands on the ground; name one that moves";
+  std::vector<std::string> names;
+  for (const rbd::Frame& frame : model.frames) names.push_back(frame.name);
+  return "no frame '" + name + "'" + did_you_mean(name, names);
+}
+
 const std::string& joint_at(const rbd::Model& model, int i) {
   for (int j = 1; j < model.njoints; ++j)
     if (model.joints[j].idx_v() <= i && i < model.joints[j].idx_v() + model.joints[j].nv())

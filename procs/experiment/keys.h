@@ -1,6 +1,8 @@
 #pragma once
+#include <concepts>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "procs/experiment/experiment.h"
@@ -20,6 +22,29 @@ struct Key {
   std::vector<std::string> words{};   ///< that a text may be; empty = any
   bool canonical = true;              ///< part of RUN's text: can change what is logged
 };
+
+inline constexpr const char* kMustBeGiven = "must be given";
+
+/// The same for what stands in one item of a list.
+template <class P, class F>
+  requires std::same_as<std::remove_const_t<P>, PlannedPush>
+void for_each_part(P& push, F&& f) {
+  f(Key{"time", "s", kMustBeGiven, "when it begins", 0, 1e7}, push.time);
+  f(Key{"duration", "s", kMustBeGiven, "how long it lasts", 1e-6, 1e7}, push.duration);
+  f(Key{"frame", "", kMustBeGiven, "of the robot"}, push.frame);
+  f(Key{"force", "N", kMustBeGiven, "world axes"}, push.force);
+  f(Key{"torque", "Nm", "[0, 0, 0]", "world axes"}, push.torque);
+}
+template <class P, class F>
+  requires std::same_as<std::remove_const_t<P>, PlannedPayload>
+void for_each_part(P& payload, F&& f) {
+  f(Key{"time", "s", kMustBeGiven, "from when on", 0, 1e7}, payload.time);
+  f(Key{"frame", "", kMustBeGiven, "of the robot"}, payload.frame);
+  f(Key{"mass", "kg", kMustBeGiven, "0 takes it off", 0, 1e6}, payload.mass);
+  f(Key{"com", "m", "[0, 0, 0]", "in the frame", -1e3, 1e3}, payload.com);
+}
+template <class T>
+concept HasParts = requires(T& item) { for_each_part(item, [](const Key&, auto&) {}); };
 
 /// Calls f(key, member) for every key in the order of the file.
 template <class E, class F>
@@ -73,6 +98,21 @@ void for_each_key(E& e, F&& f) {
     e.simulator.gravity);
   f(K{"simulator.allow_fall", "", "false", "`true` lets a floating robot fall: there is no ground yet"},
     e.simulator.allow_fall);
+  f(K{"simulator.noise.q", "rad, m", "0", "standard deviation of the Gaussian noise on q in ROBOT_STATE, per joint", 0, 1e3}, e.simulator.noise.q);
+  f(K{"simulator.noise.v", "rad/s, m/s", "0", "the same on v", 0, 1e3}, e.simulator.noise.v);
+  f(K{"simulator.delay", "s", "0", "age of q and v in ROBOT_STATE, rounded to whole steps", 0, 1}, e.simulator.delay);
+  f(K{"simulator.pushes", "s, N, Nm", "none",
+      "list of `{time, duration, frame, force, torque}`: a wrench on a frame, world axes, at the frame's origin; torque may be left out"},
+    e.simulator.pushes);
+  f(K{"simulator.payloads", "s, kg, m", "none",
+      "list of `{time, frame, mass, com}`: from then on a point mass is fixed to the frame, in place of what it carried; the controller does not know; "
+      "com (in the frame) may be left out"},
+    e.simulator.payloads);
+  f(K{"simulator.limit_repulsion.stiffness", "Nm/rad, N/m", "0", "spring that pushes a joint back before its position limits", 0},
+    e.simulator.limit_repulsion.stiffness);
+  f(K{"simulator.limit_repulsion.damping", "Nm s/rad, N s/m", "0", "its damper, as it is at the limit; it sets in with the spring", 0},
+    e.simulator.limit_repulsion.damping);
+  f(K{"simulator.limit_repulsion.margin", "rad, m", "0.1", "how far before the limit both begin", 0}, e.simulator.limit_repulsion.margin);
 
   f(K{"planner.kind", "", "hold", "`hold` (stay at q0), `cubic`, `quintic`, `sinusoid` or `point_to_point`"}, e.planner.kind);
   f(K{"planner.goal", "rad, m", "needed by cubic, quintic", "where the motion ends, inside the joint limits"},

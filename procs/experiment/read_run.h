@@ -15,7 +15,8 @@ struct LoggedRun {
 };
 
 /// Throws std::runtime_error with one line: no such file, no RUN, a message that the guard refuses, ..
-/// A log without END counts as aborted.
+/// With noise or delay the states are the true ones, folded from the log's commands; a log from which they do not
+/// follow is refused. A log without END counts as aborted.
 LoggedRun read_run(const std::string& log);
 
 }  // namespace lab

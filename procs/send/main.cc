@@ -156,7 +156,7 @@ int run(int argc, char** argv) {
   app.fallthrough();
 
   std::vector<std::string> words;
-  std::string target, assignment;
+  std::string target, assignment, mass, com;
   Place place;
   double duration = 0, seconds = 0.1;
   int64_t count = 1;
@@ -180,6 +180,11 @@ int run(int argc, char** argv) {
   push_verb->add_option("frame", target, "of the robot")->required();
   push_verb->add_option("wrench", words, "FX FY FZ [NX NY NZ]")->required()->allow_extra_args();
   push_verb->add_option("--for", seconds, "s (default 0.1)");
+  CLI::App* payload_verb = verb("payload", "Fixes a mass to a frame of the simulated robot, in place of what it carried; the controller does not know.",
+                                "payload effector_body 2 --com 0,0,0.1");
+  payload_verb->add_option("frame", target, "of the robot")->required();
+  payload_verb->add_option("mass", mass, "kg; 0 takes it off")->required();
+  payload_verb->add_option("--com", com, "x,y,z in the frame, m (default: at its origin)");
   verb("estop", "Emergency stop: the robot is held until rearm.", "estop");
   verb("rearm", "Lets the controller drive again.", "rearm");
   verb("pause", "Freezes time.", "pause");
@@ -213,6 +218,7 @@ int run(int argc, char** argv) {
       if (name == "goal") return request(guest, options, goal(words, duration));
       if (name == "set") return request(guest, options, set(target, assignment));
       if (name == "push") return request(guest, options, push(target, words, seconds));
+      if (name == "payload") return request(guest, options, payload(target, mass, com));
       if (name == "step") return request(guest, options, steps(count));
       return request(guest, options, plain(name));
     } catch (const UsageError& error) {

@@ -122,6 +122,13 @@ Action push(const std::string& frame, std::span<const std::string> words, double
   return {"push", frame, "", "", {x[3], x[4], x[5], x[0], x[1], x[2], seconds}};
 }
 
+Action payload(const std::string& frame, const std::string& mass, const std::string& com) {
+  Action action{"payload", frame, "", "", {number_of(mass, "payload")}};
+  const std::vector<double> place = com.empty() ? std::vector<double>(3, 0) : numbers(com, 3, "--com");
+  action.values.insert(action.values.end(), place.begin(), place.end());
+  return action;
+}
+
 Action plain(const std::string& verb) { return {verb, "", "", "", {}}; }
 
 Action steps(int64_t count) {

@@ -39,6 +39,9 @@ Action set(const std::string& process, const std::string& assignment);
 /// `push FRAME FX FY FZ [NX NY NZ]` in N and Nm, for some seconds.
 Action push(const std::string& frame, std::span<const std::string> words, double seconds);
 
+/// `payload FRAME MASS [--com X,Y,Z]` in kg and m.
+Action payload(const std::string& frame, const std::string& mass, const std::string& com);
+
 /// `pause`, `resume`, `estop`, `rearm`, `reset`; `step` with a count.
 Action plain(const std::string& verb);
 Action steps(int64_t count);

@@ -18,7 +18,7 @@ std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& rob
   const Config plant = make_config(experiment, robot.model);
   auto part = std::make_shared<Part>(Part{plant, initial(plant)});
   const AdvanceStep advance = [part](int64_t step_number, const Command* command, std::span<const Action> actions) {
-    if (step_number == 0) return Advance{part->state.robot, {}, "", safety::name(part->state.safety.mode)};
+    if (step_number == 0) return Advance{sensed(part->config, part->state), {}, "", safety::name(part->state.safety.mode)};
     Output output = step(part->config, part->state, {command, actions});
     std::string abort;
     if (output.abort) abort = output.events.back().what + ": " + output.events.back().who + ": " + output.events.back().why;

@@ -56,8 +56,8 @@ void limit(const Config& config, State& state, const Command& command, std::vect
 /// The effort that holds the robot, within its limits: brings it to rest, and bears its weight.
 void hold(const Config& config, State& s) {
   s.a = -s.robot.v / std::max(kBrake, 2 * config.dt);
-  rbd::rnea(config.model, s.data, s.robot.q, s.robot.v, s.a, s.applied);
-  if (!config.hold_gravity) s.applied -= rbd::computeGeneralizedGravity(config.model, s.data, s.robot.q);
+  rbd::rnea(s.load.model, s.data, s.robot.q, s.robot.v, s.a, s.applied);
+  if (!config.hold_gravity) s.applied -= rbd::computeGeneralizedGravity(s.load.model, s.data, s.robot.q);
   for (const rbd::JointModel& joint : config.model.joints)
     for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i) {
       const bool driven = joint.nv() == 1;
@@ -68,7 +68,7 @@ void hold(const Config& config, State& s) {
 
 /// Adds J^T wrench for every push.
 void add_pushes(const Config& config, State& s, const Eigen::VectorXd& q) {
-  for (const Push& push : s.pushes) {
+  for (const Push& push : s.load.pushes) {
     rbd::computeFrameJacobian(config.model, s.data, q, push.frame, rbd::LOCAL_WORLD_ALIGNED, s.jacobian);
     s.force.noalias() += s.jacobian.transpose() * push.wrench;
   }
@@ -81,8 +81,9 @@ void accelerate(const Config& config, State& s, const Eigen::VectorXd& q, const 
     s.force[i] = s.applied[i] - config.damping[i] * v[i];
     if (config.friction[i] > 0) s.force[i] -= config.friction[i] * std::tanh(v[i] / kSlipSpeed);
   }
-  if (!s.pushes.empty()) add_pushes(config, s, q);
-  rbd::aba(config.model, s.data, q, v, s.force, a);
+  add_pushes(config, s, q);
+  add_stops(config.disturbances.stops, q, v, s.force);
+  rbd::aba(s.load.model, s.data, q, v, s.force, a);
 }
 
 void semi_implicit_euler(const Config& config, State& s) {
@@ -144,19 +145,6 @@ int too_fast(const Config& config, const State& s) {
   return -1;
 }
 
-/// Takes a push; empty, or why not.
-std::string take_push(const Config& config, State& state, const Action& action) {
-  const auto& x = action.values;
-  if (!config.model.existFrame(action.target)) return "no frame '" + action.target + "'";
-  if (x.size() != 7) return "needs n, f and seconds: 7 values, has " + std::to_string(x.size());
-  for (double value : x)
-    if (!std::isfinite(value)) return "a value is not finite";
-  Push push{config.model.frameId(action.target), {}, std::llround(x[6] / config.dt)};
-  push.wrench << x[0], x[1], x[2], x[3], x[4], x[5];
-  if (push.steps > 0) state.pushes.push_back(push);
-  return "";
-}
-
 /// What is wrong with the new q and v; `what` stays empty if nothing is.
 Event divergence(const Config& config, const State& s) {
   for (int j = 1; j < config.model.njoints; ++j) {
@@ -189,6 +177,8 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   }
   config.safety.manual = e.safety.rearm == "manual";
   config.hold_gravity = e.safety.hold == "gravity";
+  config.sensors = make_sensors(e, model);
+  config.disturbances = make_disturbances(e, model);
   const auto& g = e.simulator.gravity;
   if (floats(model) && !e.simulator.allow_fall && (g[0] != 0 || g[1] != 0 || g[2] != 0))
     fail(e, "simulator.allow_fall",
@@ -198,10 +188,14 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   return config;
 }
 
-State::State(const Config& config) : safety(safety::initial(config.safety)), data(config.model) {
+State::State(const Config& config)
+    : robot{.q = config.q0, .v = config.v0, .tau = {}},
+      safety(safety::initial(config.safety)),
+      memory(config.sensors, robot),
+      load(config.model),
+      data(config.model) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(config.model.nv);
-  robot.q = q = config.q0;
-  robot.v = v = config.v0;
+  q = robot.q, v = robot.v;
   robot.tau = effort = applied = force = a = twist = zero;
   jacobian.setZero(6, config.model.nv);
   clamped.assign(config.model.nv, false);
@@ -210,15 +204,18 @@ State::State(const Config& config) : safety(safety::initial(config.safety)), dat
 
 State initial(const Config& config) { return State(config); }
 
+RobotState sensed(const Config& config, const State& state) { return sense(config.sensors, state.memory, state.robot); }
+
 Output step(const Config& config, State& state, const Input& input) {
   Output output;
+  begin_step(config.disturbances, config.model, state.robot.step, state.load, output.events);
   safety::Input said{.step = state.robot.step + 1, .command_from = {}};
   for (const Action& action : input.actions) {
     if (!is_for(action, "simulator")) continue;
     std::string why_not;
     if (action.verb == "estop") said.estop = true;
     else if (action.verb == "rearm") said.rearm = true;
-    else if (action.verb == "push") why_not = take_push(config, state, action);
+    else if (action.verb == "push" || action.verb == "payload") why_not = take(action, config.model, config.dt, state.load);
     else why_not = "the simulator has no such action";
     if (!why_not.empty()) output.events.push_back(ignored(action, "simulator", why_not));
   }
@@ -246,7 +243,7 @@ Output step(const Config& config, State& state, const Input& input) {
   } catch (const std::exception& e) {  // a singular mass matrix, or a state too wild to integrate
     fault = {"diverged", "simulator", e.what()};
   }
-  std::erase_if(state.pushes, [](Push& push) { return --push.steps <= 0; });
+  end_step(state.load);
   if (!fault.what.empty()) {
     output.events.push_back(fault);
     output.abort = true;
@@ -256,8 +253,9 @@ Output step(const Config& config, State& state, const Input& input) {
     state.robot.q = state.q;
     state.robot.v = state.v;
     state.robot.tau = state.applied;
+    state.memory.keep(state.robot);
   }
-  output.state = state.robot;
+  output.state = sensed(config, state);
   return output;
 }
 

@@ -7,11 +7,14 @@
 
 #include "procs/experiment/experiment.h"
 #include "procs/signals/signals.h"
+#include "procs/simulator/disturbances.h"
 #include "procs/simulator/safety.h"
+#include "procs/simulator/sensors.h"
 
 /// The robot as simulated: one step of time as a pure function of config, state and input.
-/// a = M^-1 (tau + J^T pushes - damping v - friction tanh(v / 0.01) - nle), armature in M. While safety says so the
-/// command is left aside and the robot held: tau = M (-v / 0.1 s) + nle (`gravity`), or without gravity's part.
+/// a = M^-1 (tau + J^T pushes + soft stops - damping v - friction tanh(v / 0.01) - nle), armature and payloads in M and
+/// nle. While safety says so the command is left aside and the robot held: tau = M (-v / 0.1 s) + nle (`gravity`), or
+/// without gravity's part. The truth stays here; what is given out is what the sensors say of it.
 namespace lab::simulator {
 
 enum class Integrator {
@@ -26,35 +29,34 @@ struct Config {
   Eigen::VectorXd q0, v0;             ///< nq; nv
   Eigen::VectorXd damping, friction;  ///< nv: Nm s/rad, Nm; 0 for a floating base
   safety::Config safety;              ///< with a watchdog in real time
-  bool hold_gravity = true;           ///< holding bears the robot's weight
+  bool hold_gravity = true;           ///< holding bears the robot's weight, and what it carries
+  Sensors sensors;
+  Disturbances disturbances;
 };
 
 /// Throws ExperimentError for values that do not fit the model, and for a floating robot that would only
 /// fall.
 Config make_config(const Experiment&, const rbd::Model&);
 
-/// A wrench on a frame for some steps.
-struct Push {
-  rbd::FrameIndex frame = 0;
-  Eigen::Matrix<double, 6, 1> wrench;  ///< (n, f) at the frame's origin, world axes: Nm, N
-  int64_t steps = 0;                   ///< left
-};
-
 struct State {
   explicit State(const Config&);
-  RobotState robot;           ///< as last given out
+  RobotState robot;           ///< the truth
   Eigen::VectorXd effort;     ///< nv: the command in force, limited
   std::vector<bool> clamped;  ///< nv: the command in force is limited here
   safety::State safety;
-  std::vector<Push> pushes;
+  Memory memory;
+  Load load;
   rbd::Data data;  ///< scratch from here on
   Eigen::VectorXd force, a, twist, q, v, applied;
   rbd::Matrix6Xd jacobian;
   Eigen::VectorXd slope_q[4], slope_v[4];
 };
 
-/// At q0 and v0, step 0, tau 0. The state at step 0 is State::robot.
+/// At q0 and v0, step 0, tau 0.
 State initial(const Config&);
+
+/// What the sensors say now: State::robot itself if they are perfect. Output::state, and what step 0 gives out.
+RobotState sensed(const Config&, const State&);
 
 struct Input {
   const Command* command = nullptr;  ///< null: none is new, the last is held
@@ -62,13 +64,13 @@ struct Input {
 };
 
 struct Output {
-  RobotState state;           ///< of the next step; if `abort`, still the one before
+  RobotState state;           ///< of the next step, as the sensors see it; if `abort`, still the one before
   std::vector<Event> events;  ///< of the next step
   bool abort = false;         ///< the run cannot go on; the last event says why
   safety::Mode mode = safety::Mode::Running;
 };
 
-/// From step k to k + 1. Takes the actions estop, rearm and push. Effort beyond the limits is clamped (one event when it begins); a command of wrong
+/// From step k to k + 1. Takes the actions estop, rearm, push and payload. Effort beyond the limits is clamped (one event when it begins); a command of wrong
 /// size or not finite is refused with an event and the last held; a state that is no longer finite aborts.
 /// Never throws.
 Output step(const Config&, State&, const Input&);

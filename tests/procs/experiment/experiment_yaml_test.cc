@@ -61,6 +61,22 @@ constexpr Case kRefused[] = {
      "x.yaml:3: simulator.gravity: must be a list of 3 numbers, not of 2"},
     {"robot: {model: m}\nsimulator:\n  damping: -1\n",
      "x.yaml:3: simulator.damping: -1 is too small; give at least 0 (Nm s/rad, N s/m)"},
+    {"robot: {model: m}\nsimulator:\n  noise: {q: -0.1}\n", "x.yaml:3: simulator.noise.q: -0.1 is too small; give at least 0 (rad, m)"},
+    {"robot: {model: m}\nsimulator:\n  delay: 2\n", "x.yaml:3: simulator.delay: 2 is too large; give at most 1 (s)"},
+    {"robot: {model: m}\nsimulator:\n  pushes: {time: 1}\n", "x.yaml:3: simulator.pushes: must be a list of maps, not a map"},
+    {"robot: {model: m}\nsimulator:\n  pushes: [1]\n", "x.yaml:3: simulator.pushes[0]: must be a map with time, duration, frame, force, torque, not '1'"},
+    {"robot: {model: m}\nsimulator:\n  pushes:\n    - {duration: 1, frame: f, force: [1, 0, 0]}\n", "x.yaml:4: simulator.pushes[0].time: is missing"},
+    {"robot: {model: m}\nsimulator:\n  pushes:\n    - time: -1\n      duration: 1\n      frame: f\n      force: [1, 0, 0]\n",
+     "x.yaml:4: simulator.pushes[0].time: -1 is too small; give at least 0 (s)"},
+    {"robot: {model: m}\nsimulator:\n  pushes:\n    - {time: 1, duration: 1, frame: f,\n       forse: [1, 0, 0]}\n", "x.yaml:5: simulator.pushes[0].forse: is not known; did you mean 'force'?"},
+    {"robot: {model: m}\nsimulator:\n  pushes:\n    - {time: 1, duration: 1, frame: f, force: [1, 0]}\n",
+     "x.yaml:4: simulator.pushes[0].force: must be a list of 3 numbers, not of 2"},
+    {"robot: {model: m}\nsimulator:\n  payloads:\n    - {time: 0, frame: f, mass: -1}\n",
+     "x.yaml:4: simulator.payloads[0].mass: -1 is too small; give at least 0 (kg)"},
+    {"robot: {model: m}\nsimulator:\n  payloads:\n    - {time: 0, frame: f, mass: 1, con: [0, 0, 1]}\n",
+     "x.yaml:4: simulator.payloads[0].con: is not known; did you mean 'com'?"},
+    {"robot: {model: m}\nsimulator:\n  limit_repulsion: {margin: -1}\n",
+     "x.yaml:3: simulator.limit_repulsion.margin: -1 is too small; give at least 0 (rad, m)"},
     {"robot: {model: m}\nsimulator: {dt: 0.01, duration: 0.001}\n",
      "x.yaml: simulator.duration: 0.001 s is less than one step of 0.01 s"},
     {"robot: {model: m}\ncontroller:\n  kp: .nan\n", "x.yaml:3: controller.kp: must be finite, not '.nan'"},
@@ -203,6 +219,11 @@ class Randomizer {
     x.resize(random_() % 4);
     for (JointValues& value : x)
       while (!value.given() || value.value.index() == 1) (*this)(key, value);
+  }
+  template <HasParts T>
+  void operator()(const Key&, std::vector<T>& x) {
+    x.resize(random_() % 3);
+    for (T& item : x) for_each_part(item, [this](const Key& part, auto& member) { (*this)(part, member); });
   }
   void operator()(const Key&, std::map<std::string, std::string>& x) {
     x = {{"controller", "python3 'my controller.py' --x \"1\""}};

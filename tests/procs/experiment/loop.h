@@ -3,6 +3,7 @@
 #include "procs/experiment/evaluate.h"
 #include "procs/experiment/robot.h"
 #include "procs/planner/planner.h"
+#include "procs/simulator/ledger.h"
 #include "procs/simulator/simulator.h"
 
 /// The three steps in one loop, as lockstep orders them: for tests that want a run without processes.
@@ -29,14 +30,15 @@ inline LoopResult run_loop(const Experiment& e, const rbd::Model& model) {
   run.friction = plant.friction;
   run.last_step = e.last_step();
   run.states.push_back(plant_state.robot);
+  RobotState seen = simulator::sensed(plant, plant_state);
   for (int64_t k = 0;; ++k) {
     run.references.push_back(planner::step(plan, plan_state, {.step = k}).reference);
-    if (k == run.last_step) return out;
+    if (k == run.last_step) break;
     Command command;
     const bool due = k % e.controller.every == 0;
     if (due)
       command = controller::step(control, control_state,
-                                 {.state = run.states.back(), .reference = run.references.back()})
+                                 {.state = seen, .reference = run.references.back()})
                     .command;
     simulator::Output next = simulator::step(plant, plant_state, {.command = due ? &command : nullptr});
     out.events.insert(out.events.end(), next.events.begin(), next.events.end());
@@ -45,8 +47,12 @@ inline LoopResult run_loop(const Experiment& e, const rbd::Model& model) {
       run.reason = next.events.back().who + ": " + next.events.back().why;
       return out;
     }
-    run.states.push_back(std::move(next.state));
+    run.states.push_back(plant_state.robot);
+    seen = std::move(next.state);
   }
+  simulator::Ledger ledger = simulator::ledger(plant, run.states, {});
+  run.stored = std::move(ledger.stored), run.given = std::move(ledger.work);
+  return out;
 }
 
 }  // namespace lab::test

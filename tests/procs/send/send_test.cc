@@ -79,6 +79,14 @@ TEST(Send, PushIsAngularFirstOnTheWire) {
   EXPECT_EQ(refusal([] { push("tool", Words{"1", "2", "3"}, 0); }), "--for: 0 is no time in s");
 }
 
+TEST(Send, PayloadIsMassThenPlace) {
+  EXPECT_EQ(payload("tool", "2.5", "").values, (Numbers{2.5, 0, 0, 0}));
+  EXPECT_EQ(payload("tool", "0", "0,-0.1,1e-1").values, (Numbers{0, 0, -0.1, 0.1}));
+  EXPECT_EQ(payload("tool", "1", "").verb + payload("tool", "1", "").target, "payloadtool");
+  EXPECT_EQ(refusal([] { payload("tool", "heavy", ""); }), "payload: 'heavy' is not a number");
+  EXPECT_EQ(refusal([] { payload("tool", "1", "1,2"); }), "--com: '1,2' has 2 numbers, needed 3");
+}
+
 TEST(Send, WhatCameOfIt) {
   reply_t reply{};
   reply.ok = true, reply.step = 12;

@@ -35,7 +35,7 @@ TEST(Hands, APushDoesTheWorkOfItsWrench) {
   rbd::framesForwardKinematics(config.model, data, state.robot.q);
   const Eigen::Vector3d before = data.oMf[frame].translation();
   for (int k = 0; k < 500; ++k) EXPECT_TRUE(step(config, state, {.actions = k == 0 ? push : std::vector<Action>{}}).events.empty());
-  EXPECT_TRUE(state.pushes.empty()) << "0.05 s are over";
+  EXPECT_TRUE(state.load.pushes.empty()) << "0.05 s are over";
   rbd::framesForwardKinematics(config.model, data, state.robot.q);
   const double work = force.dot(data.oMf[frame].translation() - before);
   const auto kinetic = [&] {  // with the rotors' armature

@@ -1,0 +1,39 @@
+#pragma once
+#include <rbd/model/model.h>
+
+#include <vector>
+
+#include "procs/experiment/experiment.h"
+#include "procs/signals/signals.h"
+
+/// What ROBOT_STATE says of the true state: q and v of some steps ago, with noise.
+namespace lab::simulator {
+
+struct Sensors {
+  struct Noisy {
+    int joint = 0, q = 0, v = 0;  ///< its number; its places in q and v
+    double q_deviation = 0, v_deviation = 0;
+  };
+  int64_t seed = 0;
+  int64_t delay = 0;         ///< steps
+  std::vector<Noisy> noisy;  ///< joints of one degree of freedom; others are seen as they are
+  bool perfect() const { return delay == 0 && noisy.empty(); }
+};
+
+/// Throws ExperimentError: a delay too long, noise for a floating base, a log that could not be read without its gaps.
+Sensors make_sensors(const Experiment&, const rbd::Model&);
+
+/// The last q and v, as many as the delay needs.
+struct Memory {
+  Memory(const Sensors&, const RobotState& first);
+  void keep(const RobotState& truth);
+  struct Moment {
+    Eigen::VectorXd q, v;
+  };
+  std::vector<Moment> ring;  ///< step k at k mod size
+};
+
+/// q and v of `delay` steps ago (of step 0 before that) with the noise of this step; all else as it is.
+RobotState sense(const Sensors&, const Memory&, const RobotState& truth);
+
+}  // namespace lab::simulator
