@@ -59,10 +59,12 @@ def test_pause_step_resume_and_live_gains_in_lockstep(tmp_path):
         assert json.loads(ok(send(run, "step", "5", "--json")))["step"] == step + 1
         assert json.loads(ok(send(run, "pause", "--json")))["step"] == step + 6, "five steps, not one more"
         assert "accepted, from step" in ok(send(run, "set", "controller", "kp=80"))
+        assert "accepted, from step" in ok(send(run, "payload", "link2", "0.5", "--com", "0,0,0.1"))
         for words, why in [(["set", "controller", "kq=1"], "has no 'kq'"), (["set", "controller", "kp=1,2"], "needed 1 or 3"),
                            (["goal", "1", "2"], "needed 3"), (["goal", "100", "0", "0"], "its limits are"),
                            (["goal", "--frame", "nowhere", "--position", "9,0,0"], "no frame 'nowhere'"),
-                           (["reset"], "in lockstep"), (["push", "nowhere", "1", "2", "3"], "no frame 'nowhere'")]:
+                           (["reset"], "in lockstep"), (["push", "nowhere", "1", "2", "3"], "no frame 'nowhere'"),
+                           (["payload", "nowhere", "1"], "no frame 'nowhere'"), (["payload", "link2", "-1"], "payload of -1 kg")]:
             done = send(run, *words)
             assert done.returncode == 7 and why in done.stderr, done.stderr
         done = send(run, "goal", "1", "x", "2")
@@ -74,7 +76,7 @@ def test_pause_step_resume_and_live_gains_in_lockstep(tmp_path):
         run.process.send_signal(signal.SIGINT)
         assert run.finish().returncode == 130
     inputs = [data for channel, data in lab.events(run.folder / "log.lcm") if channel == "INPUT"]
-    assert len(inputs) == 1 and lab.header(inputs[0])[2] == step + 6
+    assert [lab.header(data)[2] for data in inputs] == [step + 6] * 2
 
 
 def test_nobody_answers(tmp_path):
@@ -219,12 +221,14 @@ def test_goal_push_and_stop_in_real_time(tmp_path):
     file = tmp_path / "live.yaml"
     file.write_text(LIVE.format(duration=600, controller=lab.BUILD / "bin" / "lab-controller"))
     goal = [0.2, 0.4, -0.3, 0.1, 0.5, -0.2]
-    with lab.Running(str(file), tmp_path / "run", "--set", "planner.kind=hold") as run:
+    with lab.Running(str(file), tmp_path / "run", "--set", "planner.kind=hold", "--set", "simulator.noise.q=1e-5", "--set", "simulator.delay=0.002") as run:
         run.wait_for_step(200)
+        ok(send(run, "payload", "effector_body", "0.2"))
         ok(send(run, "goal", *map(str, goal), "--duration", "1"))
         ok(send(run, "push", "effector_body", "10", "0", "0", "--for", "0.2"))
         step = json.loads(ok(send(run, "estop", "--json")))["step"]
         ok(send(run, "rearm"))
+        ok(send(run, "payload", "effector_body", "0"))
         run.wait_for_step(step + 2500)
         run.process.send_signal(signal.SIGINT)
         assert run.finish().returncode == 130
@@ -233,6 +237,9 @@ def test_goal_push_and_stop_in_real_time(tmp_path):
     events = [types.event_t.decode(d).what for c, d in lab.events(run.folder / "log.lcm") if c == "EVENT"]
     assert max(abs(a - b) for a, b in zip(states[-1].q, goal)) < 2e-3
     assert [e for e in events if e in ("estop", "rearm")] == ["estop", "rearm"] and [e for e in events if e in ("holding", "running")][-1] == "running"
+    # the true states follow from the log in real time too, where every message has arrived
+    done = subprocess.run([lab.BUILD / "bin" / "lab-experiment", "evaluate", run.folder], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1 and "the run ended at step" in done.stdout or "is not in the log" in done.stderr, done.stderr
 
 
 def test_a_goal_for_a_finger_that_follows_is_refused_by_name(tmp_path):

@@ -34,6 +34,20 @@ def test_five_processes_write_what_solo_writes(quiet, tmp_path):
     assert not list((tmp_path / "run").rglob("*.part"))
 
 
+def test_a_disturbed_robot_is_the_same_robot_everywhere(tmp_path):
+    """Noise, delay, pushes and payloads are functions of seed and step, not of process, loss or load."""
+    file = lab.experiment(tmp_path)
+    disturbed = [word for key in ("seed=7", "simulator.noise.q=1e-3", "simulator.noise.v=0.05", "simulator.delay=0.01",
+                                  "simulator.pushes=[{time: 0.5, duration: 0.3, frame: link2, force: [0, 5, 0]}]",
+                                  "simulator.payloads=[{time: 1, frame: link2, mass: 1}]") for word in ("--set", key)]
+    wanted = lab.solo(file, tmp_path / "solo", *disturbed)
+    same_log(lab.run(file, tmp_path / "run", *disturbed, LAB_FAULT_DROP="5,7"), tmp_path / "run", wanted)
+    figures = [json.loads((tmp_path / name / "metrics.json").read_text()) for name in ("solo", "run")]
+    assert figures[0] == figures[1] and figures[0]["complete"]
+    other = lab.solo(file, tmp_path / "other", *disturbed, "--set", "seed=8")
+    assert other != wanted, "another seed, other noise"
+
+
 def test_a_robot_whose_fingers_follow_each_other(tmp_path):
     """The Panda: eight numbers for nine joints, in five processes as in one; both meet what it expects."""
     if subprocess.run([lab.LAB, "robots", "--path"], capture_output=True).returncode != 0:
