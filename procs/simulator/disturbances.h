@@ -26,7 +26,7 @@ struct Payload {
 };
 
 /// A spring and a damper that act beyond `low` and `high`: effort -(stiffness x + damping |x| / margin v), x how far
-/// beyond. Both set in at 0, so that nothing jumps.
+/// beyond. Both set in at 0, so that nothing jumps. Source: Hunt, Crossley 1975, with a linear spring.
 struct SoftStop {
   int q = 0, v = 0;  ///< the joint's places
   double low = 0, high = 0, margin = 0, stiffness = 0, damping = 0;

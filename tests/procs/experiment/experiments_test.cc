@@ -65,6 +65,22 @@ TEST(Experiments, ComputedTorqueTracksTenTimesBetterThanPd) {
   }
 }
 
+TEST(Experiments, DisturbancesThatAreNotAsWrittenAreTold) {
+  const auto warnings = [](const std::string& set) {
+    const Experiment e = load_experiment(kFolder + "pushed.yaml", {set});
+    std::string all;
+    for (const std::string& warning : check(e, load_robot(e))) all += warning;
+    return all;
+  };
+  EXPECT_EQ(warnings("simulator.delay=0.003"), "");
+  EXPECT_EQ(warnings("simulator.delay=0.0024"), "--set: simulator.delay: warning: is not a whole number of steps; the delay is 0.002 s");
+  EXPECT_EQ(warnings("simulator.payloads=[{time: 4, frame: effector_body, mass: 1}]"),
+            "--set: simulator.payloads[0].time: warning: 4 s is after the end of the run: it never comes");
+  EXPECT_EQ(warnings("simulator.payloads=[{time: 3.999, frame: effector_body, mass: 1}]"), "");
+  EXPECT_EQ(warnings("simulator.limit_repulsion.stiffness=1000"), "");
+  EXPECT_NE(warnings("simulator.limit_repulsion.stiffness=1e6").find("simulator.limit_repulsion.stiffness: warning: the soft stops are at"), std::string::npos);
+}
+
 // why the handbook's arm has armature here
 TEST(Experiments, TheHandbooksArmExplodesWithoutArmature) {
   const auto result = outcome("arm3_cubic_pd.yaml", {"robot.armature=0"});
