@@ -13,18 +13,28 @@ namespace lab::render {
 
 using Bounds = Eigen::AlignedBox3d;  // isEmpty() until something was added
 
+// A picture that is laid over surfaces: four bytes a pixel (red, green, blue, alpha), row 0 at the top.
+struct Texture {
+  int width = 0, height = 0;
+  std::vector<uint8_t> rgba;  // width * height * 4
+};
+
 // A run of triangles drawn in one go.
 struct Surface {
   uint32_t first = 0, count = 0;  // in Mesh::indices; multiples of 3
   Eigen::Vector4f rgba{0.8f, 0.8f, 0.8f, 1.0f};
+  float roughness = 0.45f;                 // 0 a mirror's sharp highlight, 1 none to speak of
+  std::shared_ptr<const Texture> texture;  // multiplies the colour; needs Mesh::uvs
   bool coloured = false;   // the file itself gave the colour; otherwise the Part's colour is used
   bool two_sided = false;  // open or badly oriented: both sides are drawn, so that nothing shows a hole
 };
 
 struct Mesh {
   std::vector<Eigen::Vector3f> positions, normals;  // one normal per position, unit length
-  std::vector<uint32_t> indices;                    // three per triangle
-  std::vector<Surface> surfaces;                    // cover all indices
+  std::vector<Eigen::Vector2f> uvs;      // one per position or none: 0..1, u to the right, v up the texture
+  std::vector<Eigen::Vector4f> colours;  // one per position or none: sRGB, multiplies the surface's colour
+  std::vector<uint32_t> indices;         // three per triangle
+  std::vector<Surface> surfaces;         // cover all indices
   Bounds bounds;
 
   size_t triangles() const { return indices.size() / 3; }
