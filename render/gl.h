@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 namespace lab::render {
 
@@ -25,6 +26,7 @@ class Program {
   void use() const { glUseProgram(id_); }
   void set(const char* uniform, float value) const;
   void set(const char* uniform, int value) const;
+  void set(const char* uniform, const std::vector<Eigen::Vector2f>& values) const;  // an array
   void set(const char* uniform, const Eigen::Vector3f& value) const;
   void set(const char* uniform, const Eigen::Vector4f& value) const;
   void set(const char* uniform, const Eigen::Matrix3f& value) const;
