@@ -11,8 +11,8 @@
 namespace lab::renderer {
 
 /// The robot's shapes as a scene: one body for each joint that carries some. A mesh that cannot be read becomes a
-/// magenta box and a warning.
-render::Scene make_scene(const Robot& robot, std::vector<std::string>& warnings);
+/// magenta box and a warning. In quality fine meshes are as the file has them, else decimated (parts.h).
+render::Scene make_scene(const Robot& robot, const std::string& quality, std::vector<std::string>& warnings);
 
 /// Moves the scene to a configuration.
 void pose_scene(const rbd::Model& model, rbd::Data& data, const Eigen::VectorXd& q, render::Scene& scene);
