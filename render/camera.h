@@ -23,8 +23,8 @@ struct Camera {
   // Camera axes to OpenGL clip coordinates for a picture of width / height = aspect; 0 < near < far in
   // metres.
   Eigen::Matrix4d projection(double aspect, double near, double far) const;
-  // Pixel of a world point in a width x height picture; z = distance along the view direction (<= 0: behind).
-  Eigen::Vector3d pixel(const Eigen::Vector3d& point, int width, int height) const;
+  // Pixel of a world point in a width x rows picture; z = distance along the view direction (<= 0: behind).
+  Eigen::Vector3d pixel(const Eigen::Vector3d& point, int width, int rows) const;
 };
 
 // From where to look, without a scene yet: what experiments and command lines name.

@@ -48,6 +48,7 @@ using MeshPtr = std::shared_ptr<const Mesh>;
 // and segments is 3..1024.
 MeshPtr make_box(const Eigen::Vector3d& size);
 MeshPtr make_cylinder(double radius, double length, int segments = 48);
+MeshPtr make_cone(double radius, double length, int segments = 48);  // its base at the origin, its tip at +z
 MeshPtr make_sphere(double radius, int segments = 48);
 MeshPtr make_capsule(double radius, double length, int segments = 48);
 
