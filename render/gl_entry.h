@@ -31,16 +31,20 @@ class Gl : public GlEntry {
 };
 
 // One more function: one more line.
+inline Gl<PFNGLACTIVETEXTUREPROC> glActiveTexture{"glActiveTexture"};
 inline Gl<PFNGLATTACHSHADERPROC> glAttachShader{"glAttachShader"};
 inline Gl<PFNGLBINDBUFFERPROC> glBindBuffer{"glBindBuffer"};
 inline Gl<PFNGLBINDFRAMEBUFFERPROC> glBindFramebuffer{"glBindFramebuffer"};
+inline Gl<PFNGLBINDSAMPLERPROC> glBindSampler{"glBindSampler"};
 inline Gl<PFNGLBINDTEXTUREPROC> glBindTexture{"glBindTexture"};
 inline Gl<PFNGLBINDVERTEXARRAYPROC> glBindVertexArray{"glBindVertexArray"};
 inline Gl<PFNGLBLENDFUNCPROC> glBlendFunc{"glBlendFunc"};
 inline Gl<PFNGLBLENDFUNCSEPARATEPROC> glBlendFuncSeparate{"glBlendFuncSeparate"};
+inline Gl<PFNGLBLITFRAMEBUFFERPROC> glBlitFramebuffer{"glBlitFramebuffer"};
 inline Gl<PFNGLBUFFERDATAPROC> glBufferData{"glBufferData"};
 inline Gl<PFNGLCHECKFRAMEBUFFERSTATUSPROC> glCheckFramebufferStatus{"glCheckFramebufferStatus"};
 inline Gl<PFNGLCLEARPROC> glClear{"glClear"};
+inline Gl<PFNGLCLEARBUFFERFVPROC> glClearBufferfv{"glClearBufferfv"};
 inline Gl<PFNGLCLEARCOLORPROC> glClearColor{"glClearColor"};
 inline Gl<PFNGLCOLORMASKPROC> glColorMask{"glColorMask"};
 inline Gl<PFNGLCOMPILESHADERPROC> glCompileShader{"glCompileShader"};
@@ -62,6 +66,7 @@ inline Gl<PFNGLFRAMEBUFFERTEXTURE2DPROC> glFramebufferTexture2D{"glFramebufferTe
 inline Gl<PFNGLFRONTFACEPROC> glFrontFace{"glFrontFace"};
 inline Gl<PFNGLGENBUFFERSPROC> glGenBuffers{"glGenBuffers"};
 inline Gl<PFNGLGENFRAMEBUFFERSPROC> glGenFramebuffers{"glGenFramebuffers"};
+inline Gl<PFNGLGENSAMPLERSPROC> glGenSamplers{"glGenSamplers"};
 inline Gl<PFNGLGENTEXTURESPROC> glGenTextures{"glGenTextures"};
 inline Gl<PFNGLGENVERTEXARRAYSPROC> glGenVertexArrays{"glGenVertexArrays"};
 inline Gl<PFNGLGENERATEMIPMAPPROC> glGenerateMipmap{"glGenerateMipmap"};
@@ -78,6 +83,8 @@ inline Gl<PFNGLPIXELSTOREIPROC> glPixelStorei{"glPixelStorei"};
 inline Gl<PFNGLPOLYGONOFFSETPROC> glPolygonOffset{"glPolygonOffset"};
 inline Gl<PFNGLREADBUFFERPROC> glReadBuffer{"glReadBuffer"};
 inline Gl<PFNGLREADPIXELSPROC> glReadPixels{"glReadPixels"};
+inline Gl<PFNGLSAMPLERPARAMETERIPROC> glSamplerParameteri{"glSamplerParameteri"};
+inline Gl<PFNGLSCISSORPROC> glScissor{"glScissor"};
 inline Gl<PFNGLSHADERSOURCEPROC> glShaderSource{"glShaderSource"};
 inline Gl<PFNGLTEXIMAGE2DPROC> glTexImage2D{"glTexImage2D"};
 inline Gl<PFNGLTEXPARAMETERIPROC> glTexParameteri{"glTexParameteri"};

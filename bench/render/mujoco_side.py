@@ -30,8 +30,5 @@ for mode, samples, shadow_side in (("plain", 0, 1024), ("aa_shadow", 4, 1024)):
             wall, cpu = wall + time.perf_counter() - start[0], cpu + time.process_time() - start[1]
         best = [min(best[0], 1e3 * wall / len(scene.frames)), min(best[1], 1e3 * cpu / len(scene.frames))]
     results["modes"][mode] = {"ms": best[0], "cpu_ms": best[1]}
-    if len(sys.argv) > 2:  # to look at
-        from PIL import Image
-        Image.fromarray(picture).save(f"{sys.argv[2]}-{mode}.png")
     renderer.close()
 print(json.dumps(results))
