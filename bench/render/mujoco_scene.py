@@ -32,7 +32,7 @@ class Scene:
         self.xml = f"""<mujoco><compiler meshdir="{self.folder}"/>
           <visual><global offwidth="{self.width}" offheight="{self.height}" fovy="{math.degrees(camera["fov"])}"/>
             <quality offsamples="{samples}" shadowsize="{shadow_side}"/><map znear="0.01" zfar="50"/></visual>
-          <statistic extent="1" center="0 0 0"/>
+          <statistic extent="2" center="{words(camera["target"])}"/>
           <asset>{"".join(assets)}
             <texture type="skybox" builtin="gradient" rgb1="0.9 0.93 0.96" rgb2="0.6 0.7 0.8" width="256" height="256"/>
             <texture name="grid" type="2d" builtin="checker" rgb1="0.8 0.8 0.8" rgb2="0.75 0.75 0.75" width="256" height="256"/>

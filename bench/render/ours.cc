@@ -2,6 +2,8 @@
 // geometry with MuJoCo (tests/oracle/test_render.py).
 //
 // usage: bench-render export URDF WIDTH HEIGHT FRAMES FOLDER   meshes as MuJoCo reads them, scene.json
+//        bench-render measure URDF WIDTH HEIGHT FRAMES FOLDER  depth-K.raw (float, m) and id-K.raw (uint16: body
+//                                                             + 1) of each frame, rows from the top
 //        bench-render time URDF WIDTH HEIGHT FRAMES            milliseconds a frame and of PNG, as JSON
 #include <fmt/format.h>
 #include <png.h>
@@ -124,6 +126,26 @@ json export_scene(const Job& job, const fs::path& folder) {
           {"camera", {{"eye", numbers(show.camera.eye)}, {"target", numbers(show.camera.target)}, {"fov", show.camera.fov}}}};
 }
 
+template <class T>
+void write_raw(const fs::path& path, const std::vector<T>& values) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
+  if (!out.flush()) throw std::runtime_error(path.string() + ": cannot write");
+}
+
+void measure(const Job& job, const fs::path& folder) {
+  Show show(job, "fine");
+  for (size_t i = 0; i < show.scene.bodies.size(); ++i)
+    for (auto& part : show.scene.bodies[i].parts) part.id = static_cast<uint16_t>(i + 1);
+  lab::render::Renderer renderer(job.width, job.height);
+  for (int k = 0; k < job.frames; ++k) {
+    show.pose(k);
+    const lab::render::Measurement seen = renderer.measure(show.scene, show.camera);
+    write_raw(folder / fmt::format("depth-{}.raw", k), seen.depth);
+    write_raw(folder / fmt::format("id-{}.raw", k), seen.id);
+  }
+}
+
 struct Clock {
   double wall = 0, cpu = 0;  // ms
   static Clock now() {
@@ -201,17 +223,18 @@ json time_all(const Job& job) {
 
 int main(int argc, char** argv) try {
   const std::string verb = argc > 1 ? argv[1] : "";
-  if ((verb != "export" || argc != 7) && (verb != "time" || argc != 6)) {
-    fmt::print(stderr, "usage: bench-render export URDF WIDTH HEIGHT FRAMES FOLDER | time URDF WIDTH HEIGHT FRAMES\n");
+  const bool to_folder = verb == "export" || verb == "measure";
+  if (!(to_folder && argc == 7) && !(verb == "time" && argc == 6)) {
+    fmt::print(stderr, "usage: bench-render export|measure URDF WIDTH HEIGHT FRAMES FOLDER | time URDF WIDTH HEIGHT FRAMES\n");
     return 2;
   }
   const Job job{fs::absolute(argv[2]).string(), std::stoi(argv[3]), std::stoi(argv[4]), std::stoi(argv[5])};
-  if (verb == "time") {
-    fmt::print("{}\n", time_all(job).dump());
-  } else {
+  if (verb == "time") fmt::print("{}\n", time_all(job).dump());
+  if (verb == "export") {
     const json scene = export_scene(job, argv[6]);
     if (!(std::ofstream(fs::path(argv[6]) / "scene.json") << scene.dump() << std::endl)) throw std::runtime_error("cannot write scene.json");
   }
+  if (verb == "measure") measure(job, argv[6]);
   return 0;
 } catch (const std::exception& error) {
   fmt::print(stderr, "bench-render: {}\n", error.what());
