@@ -16,6 +16,8 @@ class Writer {
 
   template <class T>
   void write(const std::string& path, const T& member) {
+    if constexpr (std::is_same_v<T, std::string>)
+      if (member.empty()) return;  // a name that nothing needs
     const std::string value = text(member);
     if (value.empty()) return;  // unset: the default holds
     // open the sections that this key does not share with the one before
@@ -97,6 +99,11 @@ class Writer {
   std::string text(const std::vector<T>& items) const {
     return items.empty() ? "" : list(items);
   }
+  template <class T>
+  std::string text(const std::optional<T>& value) const {
+    return value ? text(*value) : "";
+  }
+  std::string text(const std::vector<double>& values) const { return values.empty() ? "" : list(values); }
   std::string text(const std::vector<JointValues>& values) const { return values.empty() ? "" : list(values); }
   std::string text(const JointValues& values) const {
     if (const auto* one = std::get_if<double>(&values.value)) return text(*one);

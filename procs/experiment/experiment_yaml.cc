@@ -92,6 +92,22 @@ void read(const YAML::Node& node, const Key& key, std::array<T, n>& value) {
   for (size_t i = 0; i < n; ++i) read(node[i], key, value[i]);
 }
 
+template <class T>
+void read(const YAML::Node& node, const Key& key, std::optional<T>& value) {
+  read(node, key, value.emplace());
+}
+
+void read(const YAML::Node& node, const Key& key, std::vector<double>& value) {
+  if (!node.IsSequence() || node.size() == 0) throw Fault{"must be a list of numbers, not " + (node.IsSequence() ? "empty" : show(node))};
+  for (const YAML::Node& item : node) {
+    try {
+      read(item, key, value.emplace_back());
+    } catch (const Fault& fault) {
+      throw Fault{fault.message, "[" + std::to_string(value.size() - 1) + "]"};
+    }
+  }
+}
+
 void read(const YAML::Node& node, const Key& key, std::map<std::string, double>& value) {
   if (!node.IsMap()) throw Fault{"must be a map joint: number, not " + show(node)};
   for (const auto& item : node) {
@@ -365,7 +381,7 @@ Experiment parse_experiment(const std::string& text, const std::string& file,
     for (const std::string& fault : faults) lines += (lines.empty() ? "" : "\n") + fault;
     throw ExperimentError(lines);
   }
-  if (experiment.planner.duration == 0) experiment.planner.duration = experiment.simulator.duration;
+  if (!document.leaves.count("planner.duration")) experiment.planner.duration = experiment.simulator.duration;
   return experiment;
 }
 

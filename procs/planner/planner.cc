@@ -10,12 +10,6 @@
 namespace lab::planner {
 namespace {
 
-void stay(const Eigen::VectorXd& q, Reference& out) {
-  out.q = q;
-  out.v.setZero();
-  out.a.setZero();
-}
-
 constexpr double kShare = 0.5;  // of the speed limits that coming back to the motion may add to it
 
 /// The motion at its own time t.
