@@ -136,6 +136,8 @@ double next_arrival(const Config& c, double t) {
 
 // ---- all of them
 
+double where_it_was(const Config&, double t) { return t; }
+
 constexpr const char* kLonger = "give planner.duration more time, or 0 to take the shortest";
 constexpr Kind kKinds[] = {
     {"hold", "stays at q0", prepare_hold, hold, nullptr, ""},
@@ -143,9 +145,9 @@ constexpr Kind kKinds[] = {
     {"quintic", "the same, without a jump of the acceleration", prepare_quintic, quintic, nullptr, kLonger},
     {"sinusoid", "every joint swings", prepare_sinusoid, sinusoid, nullptr, "lower planner.amplitude or planner.frequency"},
     {"point_to_point", "from target to target, with a rest at each", prepare_cycle, point_to_point, next_arrival, ""},
-    {"waypoints", "through targets without a rest", prepare_waypoints, waypoints, nullptr, "give planner.times more time, or leave them out"},
-    {"line", "a frame along a straight line", prepare_line, along_path, nullptr, kLonger},
-    {"circle", "a frame round an axis", prepare_circle, along_path, nullptr, kLonger},
+    {"waypoints", "through targets without a rest", prepare_waypoints, waypoints, next_waypoint, "give planner.times more time, or leave them out"},
+    {"line", "a frame along a straight line", prepare_line, along_path, where_it_was, kLonger},
+    {"circle", "a frame round an axis", prepare_circle, along_path, where_it_was, kLonger},
 };
 
 const Kind& find_kind(const Experiment& e) {

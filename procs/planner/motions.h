@@ -23,9 +23,9 @@ struct Kind {
   /// Reads the kind's own keys into the config, whose common part is there already. Throws ExperimentError.
   void (*prepare)(const Experiment&, const rbd::Model&, Config&);
   Law law;
-  /// The first time from t on at which the motion rests at a target: who was led away comes back there. Null for a motion
-  /// that can be met anywhere.
-  double (*next_arrival)(const Config&, double t);
+  /// Who was led away at time t comes back to the motion at this time of it, t or later: point_to_point and waypoints at
+  /// the next target, a path where it was left. Null: wherever it is by then.
+  double (*comes_back)(const Config&, double t);
   /// What to do when it is faster than the joints can move; empty for those that never are.
   const char* cure;
 };

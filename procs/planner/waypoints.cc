@@ -69,4 +69,10 @@ void waypoints(const Config& c, double t, Reference& out) {
   c.path.at(t, out.q, out.v, out.a);
 }
 
+double next_waypoint(const Config& c, double t) {
+  for (const Spline::Piece& piece : c.path.pieces)
+    if (piece.start + piece.length >= t) return piece.start + piece.length;
+  return t;
+}
+
 }  // namespace lab::planner

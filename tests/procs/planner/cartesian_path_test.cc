@@ -181,6 +181,27 @@ TEST(CartesianPath, DurationZeroIsTheShortestWithinTheShare) {
   EXPECT_GE(speed, 0.3 * 0.998);  // the margin of sampling is 0.1 %
 }
 
+TEST(CartesianPath, LedAwayItGoesOnWhereItWas) {
+  const rbd::Model model = arm();
+  const Experiment e = path("circle", true);
+  const Config c = make_config(e, model);
+  const Vector3d start = frame(model, c.q0).translation(), left = turned(e, start, progress(0.35));
+  State state = initial(c);
+  double missed = 1;
+  Reference r;
+  for (int64_t k = 0; k < 12000; ++k) {
+    std::vector<Action> actions;
+    if (k == 700) actions = {{"goal", "", "", "", {0, 0, 0, 0, 0, 0}}};
+    if (k == 5000) actions = {{"set", "planner", "motion", "on", {}}};
+    const Output out = step(c, state, {.step = k, .actions = actions});
+    ASSERT_TRUE(out.events.empty()) << out.events[0].why;
+    r = out.reference;
+    if (k > 5000) missed = std::min(missed, (frame(model, r.q).translation() - left).norm());
+  }
+  EXPECT_LE(missed, 3 * c.dt) << "at 3 m/s at most";
+  EXPECT_EQ(r.q, c.goal);
+}
+
 TEST(CartesianPath, TheSameBytesEveryTime) {
   const Config a = make_config(path("circle", false), arm()), b = make_config(path("circle", false), arm());
   for (double t = 0; t < 2; t += 0.1) EXPECT_EQ(at(a, t).q, at(b, t).q);

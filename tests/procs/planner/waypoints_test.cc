@@ -135,6 +135,33 @@ TEST(Waypoints, MoreTimeForALongerPiece) {
   EXPECT_NEAR(c.path.pieces[3].length, 4 * unit, 1e-12);
 }
 
+TEST(Waypoints, LedAwayItComesBackToTheNextTargetWithoutAJump) {
+  Experiment e = through({kA, kB, kC});
+  e.planner.times = {1.5, 2, 4};
+  const Config c = make_config(e, arm());
+  State state = initial(c);
+  Reference last = step(c, state, {.step = 0}).reference;
+  double jump = 0, missed = 1;
+  for (int64_t k = 1; k < 12000; ++k) {
+    std::vector<Action> actions;
+    if (k == 1600) actions = {{"goal", "", "", "", kStart}};  // after the first target, before the second
+    if (k == 5000) actions = {{"set", "planner", "motion", "on", {}}};
+    const Output out = step(c, state, {.step = k, .actions = actions});
+    ASSERT_TRUE(out.events.empty()) << out.events[0].why;
+    const Reference& r = out.reference;
+    double away = 0;
+    for (int i = 0; i < 6; ++i) {
+      jump = std::max(jump, std::abs(r.v[i] - last.v[i] - (r.a[i] + last.a[i]) / 2 * c.dt));
+      away = std::max(away, std::abs(r.q[i] - kB[i]));
+    }
+    if (k > 5000) missed = std::min(missed, away);
+    last = r;
+  }
+  EXPECT_LE(missed, 4 * c.dt / 2) << "passes the second target, at 4 rad/s at most, between two samples";
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(last.q[i], kC[i], 1e-12);
+  EXPECT_LE(jump, 1e-3) << "a jump of the velocity, or of the acceleration by 2 rad/s2";
+}
+
 TEST(Waypoints, WhatCannotBeIsRefusedWhereItStands) {
   Experiment e = through({});
   EXPECT_EQ(refusal(e), "x.yaml: planner.targets: is missing; waypoints needs at least one");
