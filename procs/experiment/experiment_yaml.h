@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,18 @@ namespace lab {
 Experiment parse_experiment(const std::string& text, const std::string& file,
                             const std::vector<std::string>& overrides = {});
 
+/// One override, and where somebody wrote it ("FILE:LINE"): messages about its value begin with that.
+struct Override {
+  std::string text;
+  std::string place = "--set";
+};
+Experiment parse_experiment(const std::string& text, const std::string& file, std::span<const Override> overrides);
+
 /// The same from a file; a missing one is an ExperimentError too.
 Experiment load_experiment(const std::string& file, const std::vector<std::string>& overrides = {});
+
+/// The file's text, or an ExperimentError.
+std::string experiment_text(const std::string& file);
 
 /// Every key as run, defaults written out: the experiment.yaml of a run's folder. parse_experiment gives it
 /// back.
