@@ -12,6 +12,7 @@
 #include "procs/experiment/manifest.h"
 #include "procs/experiment/procfile.h"
 #include "procs/experiment/read_run.h"
+#include "procs/sweep/verb.h"
 
 namespace lab {
 namespace {
@@ -204,6 +205,9 @@ int run(int argc, char** argv) {
   manifest->add_option("--wall", o.launch.wall_seconds, "seconds the run took");
   manifest->footer("example: lab-experiment manifest runs/latest --exit simulator=0 --wall 3.2");
 
+  sweep::Options many;
+  CLI::App* sweep = sweep::add_verb(app, many);
+
   CLI::App* keys = app.add_subcommand("keys", "Prints the table of all keys (Markdown).");
   keys->footer("example: lab-experiment keys");
 
@@ -218,6 +222,7 @@ int run(int argc, char** argv) {
     if (*processes) return list_processes(o);
     if (*evaluate) return evaluate_run(o);
     if (*manifest) return write_manifest(o);
+    if (*sweep) return sweep::run(many);
     if (*keys) std::cout << key_table();
     return kOk;
   } catch (const std::exception& e) {
