@@ -64,22 +64,22 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot, const std
   // the first references go out before there is a state
   for (int64_t step = 0; step < lead; ++step) refer(step, nullptr);
   run.states.push_back(plant_state.robot);
+  RobotState seen = received(plant_state.robot, run.dt);
   Command command;
   for (int64_t k = 0; !run.aborted; ++k) {
     if (k % kLook == 0 && keep_going && !keep_going()) return std::nullopt;
-    const RobotState state = received(run.states.back(), run.dt);
-    refer(k + lead, &state);
+    refer(k + lead, &seen);
     const bool due = k % every == 0;
     if (due) {
-      command = controller::step(control, control_state, {.state = state, .reference = run.references[static_cast<size_t>(k)]}).command;
+      command = controller::step(control, control_state, {.state = seen, .reference = run.references[static_cast<size_t>(k)]}).command;
       command.state_step = k;
       if (std::string fault = fault_of(command); !fault.empty()) give_up(std::move(fault));
     }
     if (k == run.last_step || run.aborted) break;
     simulator::Output next = simulator::step(plant, plant_state, {.command = due ? &command : nullptr});
     if (!next.abort) {
-      run.states.push_back(std::move(next.state));
-      run.states.back().time = static_cast<double>(k + 1) * run.dt;
+      run.states.push_back(plant_state.robot);
+      seen = received(std::move(next.state), run.dt);
     } else {
       const Event& event = next.events.back();
       give_up(fmt::format("step {}: {}: {}: {}", k + 1, event.what, event.who, event.why));

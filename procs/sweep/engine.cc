@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -11,7 +10,7 @@
 
 namespace lab::sweep {
 
-volatile sig_atomic_t interrupted = 0;
+std::atomic<int> interrupted = 0;
 
 namespace {
 

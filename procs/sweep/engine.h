@@ -1,5 +1,5 @@
 #pragma once
-#include <csignal>
+#include <atomic>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@
 namespace lab::sweep {
 
 /// The signal that asked for an end; 0 = none yet. Everybody who waits or works looks at it.
-extern volatile sig_atomic_t interrupted;
+extern std::atomic<int> interrupted;
 
 /// How far it is, on stderr: a bar that stays on its line if that is a terminal, else a line every ten seconds.
 class Progress {

@@ -73,6 +73,9 @@ class Horizontal {
       numbers_.clear();
     }
     scale_.emplace(numbers_, kLeft, kLeft + kWidth);
+    std::sort(numbers_.begin(), numbers_.end());
+    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+    for (size_t i = 1; i < numbers_.size(); ++i) few_ = few_ && scale_->at(numbers_[i]) - scale_->at(numbers_[i - 1]) > 44;
   }
   double at(const std::string& value) const {
     if (!numbers_.empty()) return scale_->at(*as_number(value));
@@ -85,13 +88,14 @@ class Horizontal {
       out += svg::line(x, bottom, x, bottom + 5, "stroke=\"#444\"") + svg::text(x, bottom + 19, words);
     };
     if (numbers_.empty()) for (const std::string& value : values_) mark(at(value), value);
-    else for (double tick : scale_->ticks()) mark(scale_->at(tick), svg::label(tick));
+    else for (double tick : few_ ? numbers_ : scale_->ticks()) mark(scale_->at(tick), svg::label(tick));
     return out;
   }
 
  private:
   std::vector<std::string> values_;
   std::vector<double> numbers_;
+  bool few_ = true;  ///< so few values, and so far apart, that each can have its tick
   std::optional<svg::Scale> scale_;
 };
 
