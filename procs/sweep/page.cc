@@ -34,10 +34,10 @@ td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}code{background:#f3
 /// What the runs of one place have in common.
 struct Place {
   double sum = 0, least = INFINITY, most = -INFINITY;
-  int64_t values = 0, runs = 0, ended_early = 0;
+  int64_t values = 0, runs = 0, without = 0;  ///< without figures: ended early, or could not be run
   void add(const Row& row, size_t metric) {
     ++runs;
-    ended_early += !row.complete;
+    without += !row.complete;
     if (row.metrics.empty() || !std::isfinite(row.metrics[metric])) return;
     const double value = row.metrics[metric];
     sum += value, ++values;
@@ -46,10 +46,10 @@ struct Place {
   double mean() const { return sum / static_cast<double>(values); }
   std::string words(const std::string& where) const {
     std::string text = where + ": ";
-    if (values == 0) text += ended_early == runs ? "ended early" : "no value";
+    if (values == 0) text += without == runs ? "no figures" : "no value";
     else if (runs == 1) text += svg::label(mean());
     else text += fmt::format("mean {} of {} runs ({} .. {})", svg::label(mean()), values, svg::label(least), svg::label(most));
-    if (ended_early > 0 && ended_early < runs) text += fmt::format(", {} ended early", ended_early);
+    if (without > 0 && without < runs) text += fmt::format(", {} without figures", without);
     return text;
   }
 };
@@ -108,11 +108,12 @@ class Page {
                        "<title>sweep {0}</title><style>{1}</style></head><body>\n<h1>Sweep {0}</h1>\n", svg::escape(sweep_.name), kStyle);
     head();
     best();
-    wrong();
     const size_t plots = !sweep_.grid.empty() + sweep_.draws.size();  // of each metric; single ones stand side by side
     out_ += plots == 1 ? "<div class=\"metrics\">\n" : "<div>\n";
     for (size_t m = 0; m < sweep_.metrics.size(); ++m) metric(m);
-    return out_ + "</div></body></html>\n";
+    out_ += "</div>\n";
+    wrong();
+    return out_ + "</body></html>\n";
   }
 
  private:
@@ -217,6 +218,7 @@ class Page {
         }
         const double share = shade.share(place.mean());
         out_ += svg::rect(x, y, w, h, svg::colour(share), title);
+        if (place.without > 0 && w > 24 && h > 15) out_ += svg::cross(x + w - 8, y + 8, title);  // the mean leaves some out
         if (w > 42 && h > 15) out_ += svg::text(x + w / 2, y + h / 2 + 4, fmt::format("{:.3g}", place.mean()), "middle", fmt::format("fill=\"{}\" pointer-events=\"none\"", svg::ink(share)));
       }
     }
