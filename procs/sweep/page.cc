@@ -184,7 +184,7 @@ class Page {
     for (size_t i = 0; i < sweep_.draws.size(); ++i) along(m, sweep_.draws[i].key, sweep_.grid.size() + i, false);
     out_ += "</div>\n";
     if (const size_t more = sweep_.grid.size() > 2 ? sweep_.grid.size() - 2 : 0; more > 0 || (!sweep_.draws.empty() && !sweep_.grid.empty()))
-      out_ += "<p class=\"dim\">Over the grid: means of the runs that agree in what is shown.</p>\n";
+      out_ += "<p class=\"dim\">Over the grid: means of the runs that agree in what is shown; a cross in a corner: some of them have no figures.</p>\n";
     out_ += "<p class=\"dim\">Smallest: <code>" + svg::escape(command(sweep_, found.smallest)) + "</code></p></section>\n";
   }
 
