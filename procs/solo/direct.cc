@@ -6,7 +6,7 @@
 
 #include "procs/controller/controller.h"
 #include "procs/planner/planner.h"
-#include "procs/simulator/simulator.h"
+#include "procs/simulator/ledger.h"
 #include "procs/wire/convert.h"
 
 namespace lab::solo {
@@ -64,7 +64,7 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot, const std
   // the first references go out before there is a state
   for (int64_t step = 0; step < lead; ++step) refer(step, nullptr);
   run.states.push_back(plant_state.robot);
-  RobotState seen = received(plant_state.robot, run.dt);
+  RobotState seen = received(simulator::sensed(plant, plant_state), run.dt);
   Command command;
   for (int64_t k = 0; !run.aborted; ++k) {
     if (k % kLook == 0 && keep_going && !keep_going()) return std::nullopt;
@@ -87,6 +87,8 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot, const std
   }
   run.references.resize(run.states.size());  // an aborted run has some that nobody followed
   thin_out(run, e.logger.every);
+  simulator::Ledger ledger = simulator::ledger(plant, run.states, {});
+  run.stored = std::move(ledger.stored), run.given = std::move(ledger.work);
   return run;
 }
 

@@ -74,6 +74,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"sinusoid_pd.yaml", {"logger.every=3", "simulator.dt=0.0012345", "simulator.duration=1"}},
                     // efforts at their limits, dry friction, a controller that is wrong about the masses
                     Case{"cubic_pd.yaml", {"controller.kp=1e6", "controller.kind=pd_gravity", "controller.model.mass_scale=1.5", "simulator.friction=0.3", "simulator.damping=0.1"}},
+                    // what sensors say is not the truth; a payload, pushes, soft stops
+                    Case{"noise_and_delay.yaml", {"planner.lead=2", "controller.every=3"}}, Case{"payload.yaml", {}}, Case{"pushed.yaml", {}},
+                    Case{"joint_limits.yaml", {}}, Case{"payload.yaml", {"simulator.noise.v=0.01", "simulator.delay=0.003"}},
                     // two ways to end early
                     Case{"arm3_cubic_pd.yaml", {"simulator.damping=1e6"}, "diverged"},
                     Case{"sinusoid_pd.yaml", {"controller.kp=1.7e308", "planner.amplitude=1.5", "planner.phase=1.57"}, "not finite"}),
