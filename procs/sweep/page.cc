@@ -28,7 +28,8 @@ h1{margin-bottom:.2em}h2{margin:1.6em 0 .2em;border-bottom:1px solid #ccc}
 table{border-collapse:collapse}td,th{padding:.15em .7em;text-align:left;border-bottom:1px solid #ddd;vertical-align:top}
 td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}code{background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}.dim{color:#666}
 .dot{fill:#2a788e;fill-opacity:.7}.cross{stroke:#c0242c;stroke-width:2;fill:none}.way{fill:none;stroke:#2a788e;stroke-width:1.5}
-@media print{body{margin:0;max-width:none;font-size:11px}section{break-inside:avoid}.metrics{grid-template-columns:1fr 1fr}svg{flex-basis:47%}.metrics svg{flex-basis:100%}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
+@media print{body{margin:0;max-width:none;font-size:11px}section{break-inside:avoid}.metrics{grid-template-columns:1fr 1fr}svg{flex-basis:47%}.metrics svg{flex-basis:100%}
+*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 )";
 
 /// What the runs of one place have in common.
@@ -131,12 +132,14 @@ class Page {
       }
       out_ += fmt::format("<li>grid: <code>{}</code>, {} values: {}</li>\n", svg::escape(axis.key), n, svg::escape(values));
     }
-    for (const Draw& draw : sweep_.draws) out_ += fmt::format("<li>drawn: <code>{}</code>, {} times, seed {}</li>\n", svg::escape(draw.key), sweep_.draw_count, sweep_.seed);
+    for (const Draw& draw : sweep_.draws)
+      out_ += fmt::format("<li>drawn: <code>{}</code>, {} times, seed {}</li>\n", svg::escape(draw.key), sweep_.draw_count, sweep_.seed);
     out_ += "</ul>\n";
   }
 
   void best() {
-    out_ += "<section><h2>Smallest and largest</h2>\n<table><tr><th>metric</th><th class=\"n\">smallest</th><th>run</th><th class=\"n\">largest</th><th>run</th></tr>\n";
+    out_ += "<section><h2>Smallest and largest</h2>\n"
+            "<table><tr><th>metric</th><th class=\"n\">smallest</th><th>run</th><th class=\"n\">largest</th><th>run</th></tr>\n";
     for (size_t m = 0; m < sweep_.metrics.size(); ++m) {
       const Extremes found = extremes(rows_, m);
       const auto cells = [&](int64_t run) {
@@ -162,7 +165,8 @@ class Page {
     if (runs.empty()) return;
     out_ += "<section><h2>Runs without figures</h2>\n<table><tr><th class=\"n\">run</th><th>settings</th><th>reason</th></tr>\n";
     for (size_t i = 0; i < std::min(runs.size(), kNamed); ++i)
-      out_ += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", runs[i], svg::escape(short_settings(static_cast<int64_t>(runs[i]))), svg::escape(rows_[runs[i]].reason));
+      out_ += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", runs[i],
+                          svg::escape(short_settings(static_cast<int64_t>(runs[i]))), svg::escape(rows_[runs[i]].reason));
     out_ += "</table>\n";
     if (runs.size() > kNamed) out_ += fmt::format("<p>.. and {} more, in sweep.csv.</p>\n", runs.size() - kNamed);
     out_ += "</section>\n";
@@ -172,7 +176,8 @@ class Page {
     const std::string& name = sweep_.metrics[m];
     out_ += "<section><h2>" + svg::escape(name) + "</h2>\n";
     for (const Metric& known : metrics())
-      if (known.name == name.substr(0, name.find('.'))) out_ += fmt::format("<p class=\"dim\">{}{}</p>\n", svg::escape(known.what), *known.unit ? std::string(", ") + known.unit : "");
+      if (known.name == name.substr(0, name.find('.')))
+        out_ += fmt::format("<p class=\"dim\">{}{}</p>\n", svg::escape(known.what), *known.unit ? std::string(", ") + known.unit : "");
     const Extremes found = extremes(rows_, m);
     if (found.smallest < 0) {
       out_ += "<p>No run has a value.</p></section>\n";
@@ -202,7 +207,8 @@ class Page {
     for (const Place& place : places)
       if (place.values > 0) means.push_back(place.mean());
     const svg::Scale shade(means, 0, 1, false);
-    const double w = kWidth / static_cast<double>(columns), h = std::clamp(320 / static_cast<double>(rows), 4.0, 44.0), bottom = kTop + h * static_cast<double>(rows);
+    const double w = kWidth / static_cast<double>(columns), h = std::clamp(320 / static_cast<double>(rows), 4.0, 44.0);
+    const double bottom = kTop + h * static_cast<double>(rows);
     open(bottom + kBottom + 34);
     const size_t every_row = 1 + static_cast<size_t>(13 / h), every_column = 1 + static_cast<size_t>(44 / w);
     for (size_t r = 0; r < rows; ++r) {
@@ -219,7 +225,8 @@ class Page {
         const double share = shade.share(place.mean());
         out_ += svg::rect(x, y, w, h, svg::colour(share), title);
         if (place.without > 0 && w > 24 && h > 15) out_ += svg::cross(x + w - 8, y + 8, title);  // the mean leaves some out
-        if (w > 42 && h > 15) out_ += svg::text(x + w / 2, y + h / 2 + 4, fmt::format("{:.3g}", place.mean()), "middle", fmt::format("fill=\"{}\" pointer-events=\"none\"", svg::ink(share)));
+        if (w > 42 && h > 15)
+          out_ += svg::text(x + w / 2, y + h / 2 + 4, fmt::format("{:.3g}", place.mean()), "middle", fmt::format("fill=\"{}\" pointer-events=\"none\"", svg::ink(share)));
       }
     }
     for (size_t c = 0; c < columns; c += every_column) out_ += svg::text(kLeft + w * (static_cast<double>(c) + 0.5), bottom + 17, svg::label(across.values[c]));
@@ -252,7 +259,8 @@ class Page {
     const svg::Scale y(ends, bottom, kTop + 14);  // a strip on top is for the runs without a value
     open(bottom + kBottom);
     out_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#444\"/>\n", kLeft, kTop, kWidth, bottom - kTop);
-    for (double tick : y.ticks()) out_ += svg::line(kLeft, y.at(tick), kLeft + kWidth, y.at(tick), "stroke=\"#ddd\"") + svg::text(kLeft - 6, y.at(tick) + 4, svg::label(tick), "end");
+    for (double tick : y.ticks())
+      out_ += svg::line(kLeft, y.at(tick), kLeft + kWidth, y.at(tick), "stroke=\"#ddd\"") + svg::text(kLeft - 6, y.at(tick) + 4, svg::label(tick), "end");
     out_ += x.draw(bottom, key);
     vertical_name(sweep_.metrics[m] + (y.logarithmic() ? " (log)" : ""), (kTop + bottom) / 2);
     std::map<double, double> way;

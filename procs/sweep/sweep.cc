@@ -173,20 +173,22 @@ class Reader {
     static const std::vector<std::pair<std::string, Kind>> kinds{
         {"uniform", Kind::Uniform}, {"log_uniform", Kind::LogUniform}, {"normal", Kind::Normal}, {"integer", Kind::Integer}, {"choice", Kind::Choice}};
     Draw draw{key, at(key), {}};
-    if (!node.IsMap() || node.size() != 1) return fault(draw.place, key + ": must be like {uniform: [0.5, 1.5]}; there are uniform, log_uniform, normal, integer, choice");
+    if (!node.IsMap() || node.size() != 1)
+      return fault(draw.place, key + ": must be like {uniform: [0.5, 1.5]}; there are uniform, log_uniform, normal, integer, choice");
     const auto [word, given] = entries(node, key).front();
     const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& one) { return one.first == word; });
     if (kind == kinds.end()) return unknown(word, {"uniform", "log_uniform", "normal", "integer", "choice"});
     Distribution& d = draw.distribution;
     d.kind = kind->second;
-    const bool choice = d.kind == Kind::Choice;
+    const bool choice = d.kind == Kind::Choice, normal = d.kind == Kind::Normal;
     if (!given.IsSequence() || (choice ? given.size() == 0 : given.size() != 2))
-      return fault(at(word), key + ": " + word + (choice ? " needs a list of values" : d.kind == Kind::Normal ? " needs [mean, deviation]" : " needs [least, most]"));
+      return fault(at(word), key + ": " + word + (choice ? " needs a list of values" : normal ? " needs [mean, deviation]" : " needs [least, most]"));
     if (choice) {
       for (const YAML::Node& item : given) d.choices.push_back(one_line(item));
     } else {
       d.a = to_number(given[0], word), d.b = to_number(given[1], word);
-      if (d.kind == Kind::Normal ? d.b < 0 : d.b < d.a) fault(at(word), key + ": " + word + (d.kind == Kind::Normal ? ": the deviation is below 0" : ": the second number is below the first"));
+      if (normal && d.b < 0) fault(at(word), key + ": normal: the deviation is below 0");
+      if (!normal && d.b < d.a) fault(at(word), key + ": " + word + ": the second number is below the first");
       if (d.kind == Kind::LogUniform && !(d.a > 0)) fault(at(word), key + ": log_uniform needs numbers above 0");
       if (d.kind == Kind::Integer && (d.a != std::floor(d.a) || d.b != std::floor(d.b))) fault(at(word), key + ": integer needs whole numbers");
     }

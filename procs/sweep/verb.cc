@@ -79,7 +79,8 @@ int finish(const Sweep& sweep, const std::vector<Row>& rows, const Options& o) {
   } else {
     for (size_t m = 0; m < sweep.metrics.size(); ++m)
       if (const Extremes found = extremes(rows, m); found.smallest >= 0)
-        fmt::print("  smallest {} {:.4g}: run {} ({})\n", sweep.metrics[m], rows[static_cast<size_t>(found.smallest)].metrics[m], found.smallest, settings(sweep, found.smallest));
+        fmt::print("  smallest {} {:.4g}: run {} ({})\n", sweep.metrics[m], rows[static_cast<size_t>(found.smallest)].metrics[m], found.smallest,
+                   settings(sweep, found.smallest));
     fmt::print("sweep folder: {}\n  figures   sweep.csv ({} runs, {} complete), sweep.html\n", o.dir, rows.size(), counts.complete);
   }
   return counts.unable > 0 ? 1 : 0;

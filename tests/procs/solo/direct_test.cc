@@ -73,7 +73,8 @@ INSTANTIATE_TEST_SUITE_P(
                     // a dt that is no whole number of microseconds, a log with every third step and the last
                     Case{"sinusoid_pd.yaml", {"logger.every=3", "simulator.dt=0.0012345", "simulator.duration=1"}},
                     // efforts at their limits, dry friction, a controller that is wrong about the masses
-                    Case{"cubic_pd.yaml", {"controller.kp=1e6", "controller.kind=pd_gravity", "controller.model.mass_scale=1.5", "simulator.friction=0.3", "simulator.damping=0.1"}},
+                    Case{"cubic_pd.yaml", {"controller.kp=1e6", "controller.kind=pd_gravity", "controller.model.mass_scale=1.5",
+                                            "simulator.friction=0.3", "simulator.damping=0.1"}},
                     // what sensors say is not the truth; a payload, pushes, soft stops
                     Case{"noise_and_delay.yaml", {"planner.lead=2", "controller.every=3"}}, Case{"payload.yaml", {}}, Case{"pushed.yaml", {}},
                     Case{"joint_limits.yaml", {}}, Case{"payload.yaml", {"simulator.noise.v=0.01", "simulator.delay=0.003"}},
