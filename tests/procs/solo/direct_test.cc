@@ -78,6 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
                     // what sensors say is not the truth; a payload, pushes, soft stops
                     Case{"noise_and_delay.yaml", {"planner.lead=2", "controller.every=3"}}, Case{"payload.yaml", {}}, Case{"pushed.yaml", {}},
                     Case{"joint_limits.yaml", {}}, Case{"payload.yaml", {"simulator.noise.v=0.01", "simulator.delay=0.003"}},
+                    Case{"waypoints.yaml", {"simulator.duration=1"}}, Case{"circle_arm3.yaml", {"simulator.duration=1"}}, Case{"line_arm.yaml", {"simulator.duration=1"}},
                     // two ways to end early
                     Case{"arm3_cubic_pd.yaml", {"simulator.damping=1e6"}, "diverged"},
                     Case{"sinusoid_pd.yaml", {"controller.kp=1.7e308", "planner.amplitude=1.5", "planner.phase=1.57"}, "not finite"}),
