@@ -46,6 +46,7 @@ class Writer {
 
   /// A word as it is if no YAML reader can take it for anything else, else in quotes.
   std::string text(const std::string& value) const {
+    if (value.empty()) return "";  // not given
     static const std::set<std::string> reserved{"true", "false", "null", "yes", "no",
                                                 "on",   "off",   "y",    "n",   "~"};
     const bool word =

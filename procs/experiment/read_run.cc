@@ -111,6 +111,8 @@ LoggedRun read_run(const std::string& log) {
   out.run.dt = plant.dt;
   out.run.damping = plant.damping;
   out.run.friction = plant.friction;
+  out.run.band = out.experiment.evaluation.band;
+  out.run.tool = out.experiment.evaluation.frame;
   out.run.last_step = out.experiment.last_step();
   return out;
 }
