@@ -12,6 +12,7 @@
 #include "procs/experiment/manifest.h"
 #include "procs/experiment/procfile.h"
 #include "procs/experiment/read_run.h"
+#include "procs/report/verbs.h"
 
 namespace lab {
 namespace {
@@ -204,6 +205,17 @@ int run(int argc, char** argv) {
   manifest->add_option("--wall", o.launch.wall_seconds, "seconds the run took");
   manifest->footer("example: lab-experiment manifest runs/latest --exit simulator=0 --wall 3.2");
 
+  CLI::App* report =
+      app.add_subcommand("report", "Writes RUN/report.html of each run: one page, plots and all; prints its path.");
+  report->add_option("runs", o.files, "folders of runs")->required();
+  report->footer("example: lab-experiment report runs/latest");
+
+  CLI::App* compare = app.add_subcommand("compare", "Compares runs with the first of them.");
+  compare->add_option("runs", o.files, "folders of runs")->required()->expected(2, 32);
+  compare->add_option("-o,--output", o.out, "page to write (HTML)");
+  as_json(compare);
+  compare->footer("example: lab-experiment compare runs/sinusoid_pd runs/sinusoid_ct -o compare.html");
+
   CLI::App* keys = app.add_subcommand("keys", "Prints the table of all keys (Markdown).");
   keys->footer("example: lab-experiment keys");
 
@@ -218,6 +230,8 @@ int run(int argc, char** argv) {
     if (*processes) return list_processes(o);
     if (*evaluate) return evaluate_run(o);
     if (*manifest) return write_manifest(o);
+    if (*report) report::report_runs(o.files);
+    if (*compare) report::compare_runs(o.files, o.out, o.as_json);
     if (*keys) std::cout << key_table();
     return kOk;
   } catch (const std::exception& e) {

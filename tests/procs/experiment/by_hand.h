@@ -9,13 +9,13 @@ namespace lab::test {
 
 /// Two joints about z, 1 m apart, that never move but have references, and so errors, of our choice; a tool 1 m
 /// beyond the second. A step takes 0.1 s.
-inline Run by_hand(const std::vector<double>& first, const std::vector<double>& second) {
+inline Run by_hand(const std::vector<double>& first, const std::vector<double>& second, const char* second_name = "two") {
   Run run;
   const rbd::Inertia ball = rbd::Inertia::FromSphere(1, 0.1);
   const rbd::SE3 out(Eigen::Matrix3d::Identity(), Eigen::Vector3d(1, 0, 0));
   run.model.addJoint(0, rbd::JointModelRZ(), rbd::SE3(), "one");
   run.model.appendBodyToJoint(1, ball);
-  run.model.addJoint(1, rbd::JointModelRZ(), out, "two");
+  run.model.addJoint(1, rbd::JointModelRZ(), out, second_name);
   run.model.appendBodyToJoint(2, ball);
   run.model.addFrame(rbd::Frame("upper", 1, out, rbd::BODY));
   run.model.addFrame(rbd::Frame("tip", 2, out, rbd::BODY));
