@@ -107,6 +107,13 @@ void print_metrics(const json& all) {
     std::cout << "handbook's figure " << cell(all["handbook_error"]) << " ("
               << all["handbook_grade"].get<std::string>() << "), energy drift " << cell(all["energy_drift"])
               << " J\n";
+  if (all.contains("tool_frame") && all["tool_frame"].is_string())
+    std::cout << "tool " << all["tool_frame"].get<std::string>() << " within " << cell(all["max_tool_error"]) << " m and "
+              << cell(all["max_tool_turn"]) << " rad of its reference\n";
+  if (!all["reaches"].empty())
+    std::cout << all["reaches"].size() << (all["reaches"].size() == 1 ? " reach" : " reaches") << ": settled after at most "
+              << cell(all["reach_settling_max"]) << " s, overshoot " << cell(all["overshoot_max"]) << ", error left "
+              << cell(all["steady_error_max"]) << "\n";
   for (const json& verdict : all["verdicts"]) {
     std::cout << (verdict["ok"].get<bool>() ? "ok      " : "FAILED  ") << verdict["metric"].get<std::string>()
               << " " << cell(verdict["value"]);

@@ -103,6 +103,29 @@ std::vector<std::string> read_pictures(const fs::path& dir, size_t& frames) {
   return {};
 }
 
+/// The last lines of a text, and of these the last letters.
+std::string tail(std::string text) {
+  constexpr int kLines = 12;
+  constexpr size_t kBytes = 4000;
+  while (text.ends_with('\n')) text.pop_back();
+  size_t at = text.size();
+  for (int lines = 0; lines < kLines && at != std::string::npos && at > 0; ++lines) at = text.rfind('\n', at - 1);
+  if (at != std::string::npos && at > 0) text.erase(0, at + 1);
+  if (text.size() > kBytes) text.erase(0, text.size() - kBytes);
+  return text;
+}
+
+std::vector<std::pair<std::string, std::string>> read_last_words(const fs::path& dir, const nlohmann::json& manifest) {
+  std::vector<std::pair<std::string, std::string>> all;
+  if (!manifest.is_object() || !manifest.contains("exit_codes")) return all;
+  for (const auto& [name, code] : manifest["exit_codes"].items()) {
+    if (code == 0 || name == "run") continue;
+    std::string text = tail(bytes_of(dir / "processes" / (name + ".log")));
+    all.emplace_back(name + " (exit " + code.dump() + ")", text.empty() ? "It said nothing." : text);
+  }
+  return all;
+}
+
 }  // namespace
 
 Folder read_folder(const std::string& dir) {
@@ -133,6 +156,7 @@ Folder read_folder(const std::string& dir) {
   }
   if (fs::exists(root / "telemetry.lcm")) out.loops = read_loops(root / "telemetry.lcm");
   out.pictures = read_pictures(root, out.frames);
+  out.last_words = read_last_words(root, out.manifest);
   return out;
 }
 

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "procs/experiment/read_run.h"
@@ -35,6 +36,7 @@ struct Folder {
   std::string experiment_text;      ///< experiment.yaml; empty if there is none
   std::vector<std::string> pictures;  ///< PNG files' bytes: the contact sheet, or some frames
   size_t frames = 0;                ///< in frames/
+  std::vector<std::pair<std::string, std::string>> last_words;  ///< of processes that ended badly: name, last lines
 };
 
 /// Throws std::runtime_error if the folder is none of a run. What is missing in it is no error.

@@ -208,6 +208,7 @@ Page run_page(const Folder& folder) {
   else if (!m["complete"].get<bool>())
     body += "<p class=\"bad\">The run ended at step " + m["last_step"].dump() + " of " + m["wanted_last_step"].dump() +
             (m["reason"].get<std::string>().empty() ? "" : ": " + escape(m["reason"].get<std::string>())) + ".</p>\n";
+  for (const auto& [name, text] : folder.last_words) body += "<p class=\"bad\">" + escape(name) + "</p>\n<pre>" + escape(text) + "</pre>\n";
   if (any) body += key_figures(m);
   body += "</header>\n";
   if (any) body += section("Expected", verdict_table(m));

@@ -143,6 +143,13 @@ def test_broken_runs_get_a_page(runs, tmp_path, what, words):
     assert words in checked(folder / "report.html").text
 
 
+def test_a_process_that_died_has_the_last_word(tmp_path):
+    done = call("run", reach(tmp_path, "pd"), "-o", tmp_path / "run", "--set", "processes.controller=echo my <last> words; exit 9")
+    assert done.returncode == 5, done.stderr
+    text = checked(tmp_path / "run" / "report.html").text
+    assert "ended with exit 5" in text and "controller (exit 9)" in text and "my <last> words" in text
+
+
 def test_text_in_a_run_is_text_on_the_page(runs, tmp_path):
     folder = tmp_path / "run"
     shutil.copytree(runs / "pd", folder)
