@@ -56,7 +56,7 @@ std::vector<double> error_of(const Run& run, const std::string& name) {
 Gallery overview(const Comparison& all, const std::vector<Folder>& runs) {
   Gallery out;
   out.legend = legend_of(all);
-  out.wide = true;
+  out.columns = 1;
   if (!all.joints.empty()) {
     Chart chart = overlaid(all, runs, "size of the error over time", 2, [&](const Run& run) { return norm(run, all.joints); });
     chart.width = 1080, chart.height = 290, chart.logarithmic = true;
@@ -68,7 +68,7 @@ Gallery overview(const Comparison& all, const std::vector<Folder>& runs) {
 Gallery tools(const Comparison& all, const std::vector<Folder>& runs) {
   Gallery out;
   out.legend = legend_of(all);
-  out.wide = true;
+  out.columns = 2;
   Chart error = overlaid(all, runs, "tool error over time", 2, [](const Run& run) { return tool_path(run).error; });
   Chart turn = overlaid(all, runs, "tool angle over time", 2, [](const Run& run) { return tool_path(run).turn; });
   for (auto& [chart, caption, unit] : {std::tuple(&error, "Tool: distance from the reference", "m"), {&turn, "Tool: angle from the reference", "rad"}}) {

@@ -101,23 +101,42 @@ Gallery tracking_gallery(const Run& run) {
 
 Gallery error_gallery(const Run& run) {
   Gallery out;
-  out.wide = true;
+  out.columns = 1;
   const std::vector<double> t = times(run);
   const std::vector<JointFigures> joints = joints_of(run.model);
   const std::vector<std::vector<double>> e = errors(run);
+  // of many joints only the worst are told apart: those with an error of at least `least`
+  constexpr size_t kTold = kInks;
+  const bool many = joints.size() > kTold;
+  std::vector<double> size;
+  for (const auto& one : e) {
+    const auto [low, high] = std::minmax_element(one.begin(), one.end());
+    size.push_back(std::max(std::abs(*low), std::abs(*high)));
+  }
+  std::vector<double> ordered = size;
+  std::sort(ordered.rbegin(), ordered.rend());
+  const double least = many ? ordered[kTold - 1] : 0;
   for (const std::string unit : {"rad", "m"}) {
     Chart chart{.title = "errors of the joints over time", .width = 1080, .height = 270};
+    size_t told = 0;
     for (size_t j = 0; j < joints.size(); ++j) {
+      const bool is_told = size[j] >= least && told < kTold;
+      told += is_told;
       if (unit_of(run.model, joints[j].iv) != unit) continue;
-      Curve one = curve(joints[j].name, t, e[j], Ink::Blue, buckets_for(4 * joints.size()));
-      ink(one, j);
-      out.legend.push_back({.label = one.label, .ink = one.ink, .dashed = one.dashed});
+      Curve one = curve(joints[j].name, t, e[j], Ink::Grey, buckets_for(4 * joints.size()));
+      if (is_told) {
+        ink(one, told - 1);
+        out.legend.push_back({.label = one.label, .ink = one.ink});
+      } else {
+        one.width = 0.6;
+      }
       chart.curves.push_back(std::move(one));
     }
     if (chart.curves.empty()) continue;
     if (const auto [low, high] = y_range(chart); low < -run.band || high > run.band) chart.bands = {{-run.band, run.band}};
     out.figures.push_back(scaled("Error of each joint", unit, std::move(chart)));
   }
+  if (many) out.legend.push_back({.label = "the others, whose errors are smaller", .ink = Ink::Grey, .width = 0.6});
   return out;
 }
 
@@ -159,7 +178,7 @@ Gallery energy_gallery(const Run& run) {
   out.figures = {scaled("Energy gained, and work done", "J", std::move(both)), scaled("Their difference: drift", "J", std::move(rest))};
   out.legend = {{.label = "energy gained", .ink = Ink::Orange, .width = 4}, {.label = "work done"},
                 {.label = "drift", .ink = Ink::Red}};
-  out.wide = true;
+  out.columns = 2;
   return out;
 }
 
@@ -189,7 +208,7 @@ Gallery tool_gallery(const Run& run) {
   out.figures.push_back(scaled("Distance from the reference", "m", std::move(error)));
   out.figures.push_back(scaled("Angle from the reference", "rad", std::move(turn)));
   out.legend = {{.label = "reference", .ink = Ink::Orange, .width = 4}, {.label = "actual"}};
-  out.wide = true;
+  out.columns = 2;
   return out;
 }
 
@@ -252,7 +271,7 @@ Shown show(const std::vector<Gallery>& galleries) {
     if (!drawn) {
       html = gallery.figures.empty() ? "" : missing("No plots here: gnuplot is not installed (package gnuplot-nox).");
     } else if (!gallery.figures.empty()) {
-      html = legend_html(gallery.legend) + "<div class=\"plots" + (gallery.wide ? " two" : "") + "\">\n";
+      html = legend_html(gallery.legend) + "<div class=\"plots" + (gallery.columns == 1 ? " one" : gallery.columns == 2 ? " two" : "") + "\">\n";
       for (const Figure& one : gallery.figures)
         html += "<figure><figcaption>" + escape(one.caption) + " <span>" + escape(one.unit) + "</span></figcaption>\n" + (*drawn)[next++] + "</figure>\n";
       html += "</div>\n";

@@ -21,7 +21,7 @@ struct Figure {
 struct Gallery {
   std::vector<Figure> figures;
   std::vector<Curve> legend;  ///< labels and inks; the data does not matter
-  bool wide = false;          ///< two in a row instead of three
+  int columns = 3;            ///< 1, 2 or 3 in a row, where there is room
 };
 
 Gallery tracking_gallery(const Run&);

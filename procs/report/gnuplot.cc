@@ -44,10 +44,11 @@ std::string data(const Curve& curve, size_t index) {
   return out + "EOD\n";
 }
 
-/// Room around the data; a constant gets some, too.
+/// Room around the data; a constant gets some, too, and what differs by rounding alone is one.
 std::pair<double, double> padded(std::pair<double, double> range) {
   const double size = range.second - range.first, middle = (range.first + range.second) / 2;
-  const double room = size > 1e-9 * std::abs(middle) && size > 0 ? 0.06 * size : std::max(0.1 * std::abs(middle), 1e-6);
+  double room = 0.06 * size;
+  if (size <= 1e-9 * std::abs(middle) || size < 1e-12) room = std::abs(middle) < 1e-12 ? 1 : 0.1 * std::abs(middle);
   return {range.first - room, range.second + room};
 }
 

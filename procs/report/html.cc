@@ -50,7 +50,7 @@ std::string Table::html() const {
       out += std::string("<") + tag + (i < text_columns ? " class=\"w\">" : ">") + cells[i] + "</" + tag + ">";
     return out + "</tr>\n";
   };
-  std::string out = "<div class=\"scroll\"><table>\n";
+  std::string out = std::string("<div class=\"scroll\"><table") + (narrow ? " class=\"narrow\"" : "") + ">\n";
   if (!head.empty()) out += "<thead>" + row(head, "th") + "</thead>\n";
   out += "<tbody>\n";
   for (const auto& cells : rows) out += row(cells, "td");

@@ -17,6 +17,7 @@ struct Table {
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows;
   size_t text_columns = 1;
+  bool narrow = false;  ///< many columns
   std::string html() const;
 };
 

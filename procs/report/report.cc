@@ -13,7 +13,7 @@ using nlohmann::json;
 double value(const json& from, const char* key) {
   return from.contains(key) && from[key].is_number() ? from[key].get<double>() : NAN;
 }
-std::string cell(const json& from, const char* key) { return figure(value(from, key)); }
+std::string cell(const json& from, const char* key, int digits = 4) { return figure(value(from, key), digits); }
 
 /// "12.5 mrad" with the unit small.
 std::string with_unit(double number, const std::string& unit) {
@@ -22,11 +22,19 @@ std::string with_unit(double number, const std::string& unit) {
   return figure(number * scale.factor, 3) + " <small>" + escape(scale.unit) + "</small>";
 }
 
-std::string key_figures(const json& m) {
+/// "rad" and "Nm", "m" and "N", or both of a robot that has both kinds of joints.
+std::pair<std::string, std::string> units(const rbd::Model& model) {
+  bool turns = false, slides = false;
+  for (const JointFigures& joint : joints_of(model)) (unit_of(model, joint.iv) == "m" ? slides : turns) = true;
+  return turns && slides ? std::pair("rad, m", "Nm, N") : slides ? std::pair("m", "N") : std::pair("rad", "Nm");
+}
+
+std::string key_figures(const json& m, const rbd::Model& model) {
+  const auto [length, effort] = units(model);
   std::string out = "<dl class=\"key\">\n";
   const auto add = [&](const std::string& label, const std::string& text) { out += "<div><dt>" + label + "</dt><dd>" + text + "</dd></div>\n"; };
-  add("largest error", with_unit(value(m, "max_error"), "rad"));
-  add("RMS error", with_unit(value(m, "rms_error"), "rad"));
+  add("largest error", with_unit(value(m, "max_error"), length));
+  add("RMS error", with_unit(value(m, "rms_error"), length));
   if (m.contains("tool_frame") && m["tool_frame"].is_string()) add("largest tool error", with_unit(value(m, "max_tool_error"), "m"));
   if (value(m, "reach_count") > 0) {
     const double settling = value(m, "reach_settling_max");
@@ -34,7 +42,7 @@ std::string key_figures(const json& m) {
     if (std::isfinite(value(m, "overshoot_share_max"))) add("overshoot", with_unit(100 * value(m, "overshoot_share_max"), "%"));
   }
   if (value(m, "max_effort_share") > 0) add("effort, of the limit", with_unit(100 * value(m, "max_effort_share"), "%"));
-  add("largest effort", with_unit(value(m, "max_effort"), "Nm"));
+  add("largest effort", with_unit(value(m, "max_effort"), effort));
   add("energy drift", with_unit(value(m, "energy_drift"), "J"));
   if (m.contains("handbook_grade")) {
     std::string grade = m["handbook_grade"];
@@ -71,17 +79,17 @@ std::string joint_table(const Run& run, const json& m) {
       {"max_error", "max error"}, {"mean_error", "mean error"}, {"rms_error", "RMS error"}, {"final_error", "final error"},
       {"max_effort", "max effort"}, {"rms_effort", "RMS effort"}, {"max_effort_share", "share of limit"}, {"max_speed", "max speed"},
       {"max_speed_share", "share of limit"}, {"min_position_margin", "margin to limit"}};
-  Table table{{"joint", "unit"}, {}, 2};
+  Table table{{"joint", "unit"}, {}, 2, true};
   for (const auto& [key, label] : columns) table.head.push_back(label);
   for (const JointFigures& joint : joints_of(run.model))
     for (const json& one : m["joints"]) {
       if (one["name"] != joint.name) continue;
       std::vector<std::string> row{escape(joint.name), unit_of(run.model, joint.iv)};
-      for (const auto& [key, label] : columns) row.push_back(cell(one, key));
+      for (const auto& [key, label] : columns) row.push_back(cell(one, key, 3));
       table.rows.push_back(row);
     }
   std::vector<std::string> all{"all", ""};
-  for (const auto& [key, label] : columns) all.push_back(cell(m, key));
+  for (const auto& [key, label] : columns) all.push_back(cell(m, key, 3));
   table.rows.push_back(all);
   return table.html();
 }
@@ -169,6 +177,7 @@ Badge badge_of(const Folder& folder) {
   if (code > 1) return {"ended with exit " + std::to_string(code)};
   if (!folder.logged) return {"no log"};
   if (!folder.metrics["complete"].get<bool>()) return {"incomplete"};
+  if (folder.metrics["verdicts"].empty()) return {"complete", true};
   return folder.metrics["passed"].get<bool>() ? Badge{"as expected", true} : Badge{"not as expected"};
 }
 
@@ -209,7 +218,7 @@ Page run_page(const Folder& folder) {
     body += "<p class=\"bad\">The run ended at step " + m["last_step"].dump() + " of " + m["wanted_last_step"].dump() +
             (m["reason"].get<std::string>().empty() ? "" : ": " + escape(m["reason"].get<std::string>())) + ".</p>\n";
   for (const auto& [name, text] : folder.last_words) body += "<p class=\"bad\">" + escape(name) + "</p>\n<pre>" + escape(text) + "</pre>\n";
-  if (any) body += key_figures(m);
+  if (any) body += key_figures(m, folder.logged->run.model);
   body += "</header>\n";
   if (any) body += section("Expected", verdict_table(m));
   body += section("Pictures", film(folder));
@@ -224,7 +233,7 @@ Page run_page(const Folder& folder) {
     body += section("Effort", shown.html[2]);
     body += tool.empty() ? section("Tool", missing("This robot has no link whose path could be shown."))
                          : section("Tool: " + m["tool_frame"].get<std::string>(), tool);
-    body += section("Energy", energy.empty() ? missing("Energy and work need every step, and the log is thinned (logger.every).") : energy);
+    body += section("Energy", energy.empty() ? missing("Energy and work need every step, and the log does not hold all of them.") : energy);
   }
   if (folder.logged) body += section("Events", note_table(folder.notes));
   body += section("Loop times", folder.loops.empty()

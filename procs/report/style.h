@@ -35,10 +35,12 @@ p { margin: .4rem 0 .8rem; max-width: 46rem; }
 table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: right; padding: .3rem .8rem; border-bottom: 1px solid var(--line); vertical-align: baseline; white-space: nowrap; }
 th { font-weight: 600; color: var(--soft); font-size: .8rem; white-space: normal; vertical-align: bottom; }
+.narrow th, .narrow td { padding: .3rem .55rem; }
 th:first-child, td:first-child { padding-left: 0; }
 .w { text-align: left; }
 td.w { white-space: normal; overflow-wrap: break-word; }
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(310px, 1fr)); gap: .4rem 1.4rem; }
+.plots.one { grid-template-columns: 1fr; }
 .plots.two { grid-template-columns: repeat(auto-fit, minmax(min(100%, 440px), 1fr)); }
 figure { margin: 0 0 .9rem; break-inside: avoid; min-width: 0; }
 figcaption { font-size: .87rem; font-weight: 600; display: flex; flex-wrap: wrap; gap: 0 .9rem; align-items: baseline; overflow-wrap: anywhere; }
@@ -59,6 +61,7 @@ pre { background: var(--tint); border: 1px solid var(--line); border-radius: 8px
 code { font: .93em ui-monospace, SFMono-Regular, Menlo, Consolas, monospace; }
 .columns { display: grid; grid-template-columns: repeat(auto-fit, minmax(310px, 1fr)); gap: 0 2.4rem; align-items: start; }
 @media (max-width: 600px) {
+  .plots.one { overflow-x: auto; } .plots.one svg { min-width: 640px; }
   main { padding: 1.3rem 1rem 3rem; } th, td { padding: .3rem .55rem; }
   figure.film { overflow-x: auto; } figure.film img { width: 680px; }
 }
@@ -68,7 +71,7 @@ code { font: .93em ui-monospace, SFMono-Regular, Menlo, Consolas, monospace; }
   @page { margin: 15mm 14mm; }
   body { font-size: 9.5pt; } main { max-width: none; padding: 0; }
   h2 { break-after: avoid; margin-top: 1.6rem; } tr, .key { break-inside: avoid; } thead { display: table-header-group; }
-  .plots { grid-template-columns: repeat(3, 1fr); } .plots.two { grid-template-columns: repeat(2, 1fr); } .plots.two figure:only-child { grid-column: 1 / 3; }
+  .plots { grid-template-columns: repeat(3, 1fr); } .plots.two { grid-template-columns: repeat(2, 1fr); } .plots.one { grid-template-columns: 1fr; }
   .legend, section > p { break-after: avoid; } .film img { width: 88%; } .scroll { overflow: visible; } pre { white-space: pre-wrap; overflow-wrap: anywhere; font-size: 8pt; }
   th, td { padding: .2rem .5rem; } td { white-space: normal; }
 }
