@@ -51,7 +51,9 @@ void find_keys(const std::vector<Folder>& runs, Comparison& out) {
     for (size_t k = 0; k < all.size(); ++k) {
       out.keys[k].name = all[k].first;
       out.keys[k].values.resize(runs.size());
-      out.keys[k].values[i] = all[k].second;
+      std::string value = all[k].second;
+      if (const size_t slash = value.rfind('/'); slash != std::string::npos && value.size() > 40) value = "../" + value.substr(slash + 1);
+      out.keys[k].values[i] = value;
     }
   }
   std::erase_if(out.keys, [](const Comparison::Key& key) {
@@ -107,6 +109,14 @@ std::string plain(double value) {
   return std::isfinite(value) ? text : "-";
 }
 
+/// Three digits; no powers of ten.
+std::string count(double times) {
+  if (times > 1e6) return "over a million";
+  if (times < 1000) return figure(times, 3);
+  const double unit = std::pow(10, std::floor(std::log10(times)) - 2);
+  return std::to_string(std::llround(std::round(times / unit) * unit));
+}
+
 }  // namespace
 
 Gain gain(Better better, double first, double other) {
@@ -120,9 +130,9 @@ std::string in_words(Better better, double first, double other) {
   const auto [percent, times] = gain(better, first, other);
   if (std::isnan(percent)) return "–";
   const double size = std::abs(percent);
-  std::string out = figure(size, size >= 99.9 ? 4 : 3) + " %";
-  if (times >= 1.5) out += ", " + figure(times, times >= 1000 ? 4 : 3) + " times";
-  if (times <= 1 / 1.5) out = figure(1 / times, times <= 1e-3 ? 4 : 3) + " times";
+  std::string out = size > 99.99 && size < 100 ? "> 99.99 %" : figure(size, size >= 99.9 ? 4 : 3) + " %";
+  if (times >= 1.5) out += ", " + count(times) + " times";
+  if (times <= 1 / 1.5) out = count(1 / times) + " times";
   return out + (percent > 0 ? " better" : " worse");
 }
 

@@ -73,7 +73,7 @@ code { font: .93em ui-monospace, SFMono-Regular, Menlo, Consolas, monospace; }
   h2 { break-after: avoid; margin-top: 1.6rem; } tr, .key { break-inside: avoid; } thead { display: table-header-group; }
   .plots { grid-template-columns: repeat(3, 1fr); } .plots.two { grid-template-columns: repeat(2, 1fr); } .plots.one { grid-template-columns: 1fr; }
   .legend, section > p { break-after: avoid; } .film img { width: 88%; } .scroll { overflow: visible; } pre { white-space: pre-wrap; overflow-wrap: anywhere; font-size: 8pt; }
-  th, td { padding: .2rem .5rem; } td { white-space: normal; }
+  th, td { padding: .2rem .5rem; } .narrow { font-size: 8pt; } .narrow th, .narrow td { padding: .2rem .35rem; }
 }
 )css";
 

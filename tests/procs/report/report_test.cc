@@ -124,6 +124,8 @@ TEST(Scale, SuitsTheNumber) {
 
 TEST(Compare, HowMuchBetter) {
   EXPECT_EQ(in_words(Better::Less, 0.2, 0.01), "95 %, 20 times better");
+  EXPECT_EQ(in_words(Better::Less, 0.2, 0.2 / 34567), "> 99.99 %, 34600 times better");
+  EXPECT_EQ(in_words(Better::Less, 0.2, 1e-9), "> 99.99 %, over a million times better");
   EXPECT_EQ(in_words(Better::Less, 0.2, 0.19), "5 % better");
   EXPECT_EQ(in_words(Better::Less, 0.2, 0.6), "3 times worse");
   EXPECT_EQ(in_words(Better::Less, 0.2, 0.22), "10 % worse");
