@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <stdexcept>
 
 #include "procs/experiment/experiment_yaml.h"
@@ -51,15 +52,19 @@ void find_keys(const std::vector<Folder>& runs, Comparison& out) {
     for (size_t k = 0; k < all.size(); ++k) {
       out.keys[k].name = all[k].first;
       out.keys[k].values.resize(runs.size());
-      std::string value = all[k].second;
-      if (const size_t slash = value.rfind('/'); slash != std::string::npos && value.size() > 40) value = "../" + value.substr(slash + 1);
-      out.keys[k].values[i] = value;
+      out.keys[k].values[i] = all[k].second;
     }
   }
   std::erase_if(out.keys, [](const Comparison::Key& key) {
     return key.name == "name" || key.name == "expect" ||
            std::all_of(key.values.begin(), key.values.end(), [&](const std::string& value) { return value == key.values.front(); });
   });
+  for (Comparison::Key& key : out.keys) {  // of a path, the name is enough if it is another
+    std::set<std::string> names;
+    for (const std::string& value : key.values) names.insert(value.substr(value.rfind('/') + 1));
+    if (key.name == "robot.model" && names.size() == key.values.size())
+      for (std::string& value : key.values) value.erase(0, value.rfind('/') + 1);
+  }
 }
 
 void find_rows(const std::vector<Folder>& runs, Comparison& out) {
