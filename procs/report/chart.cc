@@ -53,7 +53,7 @@ std::pair<double, double> x_range(const Chart& chart) { return range(chart, &Cur
 std::pair<double, double> y_range(const Chart& chart) { return range(chart, &Curve::y, chart.in_sight_y); }
 
 Scale scale_for(double most, const std::string& unit) {
-  if (most >= 0.1 || most < 1e-12) return {1, unit};  // the latter is rounding
+  if (most >= 0.1 || most < 1e-9) return {1, unit};  // no prefix makes the latter kind
   return most >= 1e-4 ? Scale{1e3, "m" + unit} : Scale{1e6, "µ" + unit};
 }
 

@@ -120,6 +120,7 @@ TEST(Scale, SuitsTheNumber) {
   EXPECT_EQ(scale_for(0.02, "rad").unit, "mrad");
   EXPECT_EQ(scale_for(2e-5, "m").unit, "µm");
   EXPECT_EQ(scale_for(0, "m").unit, "m");
+  EXPECT_EQ(scale_for(4e-12, "J").unit, "J");
 }
 
 TEST(Compare, HowMuchBetter) {
