@@ -75,6 +75,7 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   const planner::Config plan = planner::make_config(e, model);
   const controller::Config control = controller::make_config(e, model);
   check_expect(e, model);
+  check_evaluation(e, model);
 
   std::vector<std::string> warnings = robot.warnings;
   for (int i = 0; i < model.nv; ++i)

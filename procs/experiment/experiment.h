@@ -160,6 +160,12 @@ struct Experiment {
     bool operator==(const Safety&) const = default;
   } safety;
 
+  struct Evaluation {
+    double band = 0.01;  ///< rad, m: within this error a joint counts as settled
+    std::string frame;   ///< whose errors are the tool's; empty = the last link
+    bool operator==(const Evaluation&) const = default;
+  } evaluation;
+
   std::map<std::string, std::string> processes;  ///< name: command that takes the place of the usual one
   std::map<std::string, Bound> expect;           ///< metric: bound
 

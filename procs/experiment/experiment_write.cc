@@ -33,6 +33,10 @@ class Writer {
     out_.append(2 * depth, ' ') += path.substr(shared) + ": " + value + "\n";
   }
   const std::string& result() const { return out_; }
+  template <class T>
+  std::string value(const T& member) const {
+    return text(member);
+  }
 
  private:
   std::string text(double value) const {
@@ -46,6 +50,7 @@ class Writer {
 
   /// A word as it is if no YAML reader can take it for anything else, else in quotes.
   std::string text(const std::string& value) const {
+    if (value.empty()) return "";  // not given
     static const std::set<std::string> reserved{"true", "false", "null", "yes", "no",
                                                 "on",   "off",   "y",    "n",   "~"};
     const bool word =
@@ -122,6 +127,13 @@ std::string resolve(const Experiment& experiment) {
   Writer writer(false);
   for_each_key(experiment, [&](const Key& key, const auto& member) { writer.write(key.name, member); });
   return writer.result();
+}
+
+std::vector<std::pair<std::string, std::string>> key_values(const Experiment& experiment) {
+  const Writer writer(false);
+  std::vector<std::pair<std::string, std::string>> all;
+  for_each_key(experiment, [&](const Key& key, const auto& member) { all.emplace_back(key.name, writer.value(member)); });
+  return all;
 }
 
 std::string canonical(const Experiment& experiment) {

@@ -226,6 +226,8 @@ void for_each_key(E& e, F&& f) {
       {},
       false},
     e.processes);
+  f(K{"evaluation.band", "rad, m", "0.01", "error within which a joint counts as settled", 0, kLong}, e.evaluation.band);
+  f(K{"evaluation.frame", "", "the last link", "frame whose errors are the tool's"}, e.evaluation.frame);
   f(K{"expect", "", "nothing", "metric: {max: x}, {min: x} or both; a run outside ends with exit code 1"},
     e.expect);
 }

@@ -59,6 +59,7 @@ LoggedRun read_run(const std::string& log) {
       out.experiment = parse_experiment(message.experiment, log + ":RUN");
       out.robot = load_robot(out.experiment, message.urdf, log + ":RUN");
       plant = simulator::make_config(out.experiment, out.robot.model);
+      out.run = begin_run(out.experiment, out.robot.model);
       guard.set_run(message.run);
       guard.set_sizes(out.robot.model.nq, out.robot.model.nv);
       begun = true;
@@ -107,11 +108,6 @@ LoggedRun read_run(const std::string& log) {
     whole.push_back(std::move(state));
   }
   out.run.states = std::move(whole);
-  out.run.model = out.robot.model;
-  out.run.dt = plant.dt;
-  out.run.damping = plant.damping;
-  out.run.friction = plant.friction;
-  out.run.last_step = out.experiment.last_step();
   return out;
 }
 

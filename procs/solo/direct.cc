@@ -49,10 +49,7 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot, const std
   planner::State plan_state = planner::initial(plan);
   controller::State control_state = controller::initial(control);
 
-  Run run;
-  run.model = robot.model;
-  run.dt = plant.dt, run.damping = plant.damping, run.friction = plant.friction;
-  run.last_step = e.last_step();
+  Run run = begin_run(e, robot.model);
   const int64_t lead = e.planner.lead, every = e.controller.every;
   run.states.reserve(static_cast<size_t>(std::min<int64_t>(run.last_step + 1, 1 << 20)));
   run.references.reserve(run.states.capacity());

@@ -280,11 +280,12 @@ TEST(ExperimentYaml, CanonicalTextKeepsWhatCountsAndNothingElse) {
     ASSERT_EQ(back.planner, e.planner);
     ASSERT_EQ(back.controller, e.controller);
     ASSERT_EQ(back.safety, e.safety);
+    ASSERT_EQ(back.evaluation, e.evaluation);
     ASSERT_EQ(back.expect, e.expect);
     // what cannot change the log cannot change the text
     other.name = e.name, other.seed = e.seed, other.robot = e.robot, other.simulator = e.simulator;
     other.planner = e.planner, other.controller = e.controller, other.expect = e.expect;
-    other.safety = e.safety;
+    other.safety = e.safety, other.evaluation = e.evaluation;
     if (!other.robot.model.starts_with("builtin:")) other.robot.model = "/another/folder/robot.urdf";
     ASSERT_EQ(canonical(other), canonical(e));
   }

@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"cubic_pd.yaml", {"controller.kp=1e6", "controller.kind=pd_gravity", "controller.model.mass_scale=1.5",
                                             "simulator.friction=0.3", "simulator.damping=0.1"}},
                     // what sensors say is not the truth; a payload, pushes, soft stops
-                    Case{"noise_and_delay.yaml", {"planner.lead=2", "controller.every=3"}}, Case{"payload.yaml", {}}, Case{"pushed.yaml", {}},
+                    Case{"noise_and_delay.yaml", {"planner.lead=2", "controller.every=3"}}, Case{"payload.yaml", {"evaluation.band=0.05", "evaluation.frame=arm_tool_link"}}, Case{"pushed.yaml", {}},
                     Case{"joint_limits.yaml", {}}, Case{"payload.yaml", {"simulator.noise.v=0.01", "simulator.delay=0.003"}},
                     Case{"waypoints.yaml", {"simulator.duration=1"}}, Case{"circle_arm3.yaml", {"simulator.duration=1"}}, Case{"line_arm.yaml", {"simulator.duration=1"}},
                     // two ways to end early
