@@ -45,6 +45,15 @@ void check_disturbances(const Experiment& e, const simulator::Config& plant, std
 
 }  // namespace
 
+std::vector<Eigen::VectorXd> planned_poses(const Experiment& e, const rbd::Model& model, int count) {
+  const planner::Config plan = planner::make_config(e, model);
+  planner::State state = planner::initial(plan);
+  std::vector<Eigen::VectorXd> poses;
+  for (int i = 0; i < count; ++i)
+    poses.push_back(planner::step(plan, state, {.step = e.last_step() * i / std::max(count - 1, 1)}).reference.q);
+  return poses;
+}
+
 double stability_ratio(const Eigen::MatrixXd& Minv, const Eigen::VectorXd& kp, const Eigen::VectorXd& damping,
                        double h) {
   // G Minv G is symmetric and has the eigenvalues of Minv G^2. Plain loops: g++ 12 gives false alarms about
