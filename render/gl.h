@@ -7,11 +7,8 @@
 #include <GL/glext.h>
 
 #include <Eigen/Core>
-#include <memory>
 #include <string>
 #include <unordered_map>
-
-#include "render/mesh.h"
 
 namespace lab::render {
 
@@ -36,27 +33,12 @@ class Program {
  private:
   int location(const char* uniform) const;
   const char* name_;
-  unsigned id_ = 0;  // dies with its context
+  unsigned id_ = 0;                                      // dies with its context
+  mutable std::unordered_map<std::string, int> places_;  // of uniforms: asking GL again and again is slow
 };
 
 // Both throw std::runtime_error when GL cannot. 0 stands for "none".
 unsigned make_texture(int width, int height, unsigned inner, unsigned format, unsigned type);
 unsigned make_framebuffer(unsigned colour, unsigned depth);
-
-// A mesh on the GL side: interleaved positions and normals, indices.
-struct Buffers {
-  std::weak_ptr<const Mesh> alive;  // expired when nobody else holds the mesh any more
-  unsigned array = 0, vertices = 0, indices = 0;
-};
-
-class MeshStore {
- public:
-  const Buffers& get(const MeshPtr& mesh);  // uploads at first sight
-  // A new mesh may get the address of a dead one: call this before get() in every frame.
-  void forget_dead();
-
- private:
-  std::unordered_map<const Mesh*, Buffers> meshes_;
-};
 
 }  // namespace lab::render
