@@ -19,8 +19,9 @@
 #include <nlohmann/json.hpp>
 
 #include "procs/experiment/experiment_yaml.h"
-#include "procs/renderer/painter.h"
+#include "procs/renderer/robot_scene.h"
 #include "render/png.h"
+#include "render/renderer.h"
 
 namespace {
 
@@ -43,7 +44,8 @@ struct Show {
   Show(const Job& job, const std::string& quality)
       : robot(lab::load_robot(lab::parse_experiment("robot: {model: \"" + job.urdf + "\"}", "bench"))), data(robot.model) {
     std::vector<std::string> warnings;
-    scene = lab::renderer::make_scene(robot, quality, warnings);
+    std::vector<std::string> links;
+    scene.bodies = lab::renderer::make_bodies(robot, quality, links, warnings);
     for (const std::string& warning : warnings) fmt::print(stderr, "bench-render: {}\n", warning);
     const rbd::Model& model = robot.model;
     lab::render::Bounds box;
@@ -61,7 +63,7 @@ struct Show {
     scene.ground.height = box.min().z();
     camera = lab::render::auto_frame(box, "iso", double(job.width) / job.height);
   }
-  void pose(int k) { lab::renderer::pose_scene(robot.model, data, poses[static_cast<size_t>(k)], scene); }
+  void pose(int k) { lab::renderer::pose_bodies(robot.model, data, poses[static_cast<size_t>(k)], scene.bodies); }
 };
 
 json numbers(const Eigen::MatrixXd& m) { return std::vector<double>(m.data(), m.data() + m.size()); }
