@@ -1,15 +1,12 @@
-// OpenGL 3.3 core as used by the renderer: the entry points (exported by libOSMesa), shader programs, error
-// texts.
+// OpenGL 3.3 core as used by the renderer: the entry points, shader programs, error texts.
 #pragma once
-
-#define GL_GLEXT_PROTOTYPES
-#include <GL/gl.h>
-#include <GL/glext.h>
 
 #include <Eigen/Core>
 #include <string>
 #include <unordered_map>
 #include <vector>
+
+#include "render/gl_entry.h"
 
 namespace lab::render {
 

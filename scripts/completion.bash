@@ -13,6 +13,7 @@ _lab() {
     *)
       case $verb in
         run | up) mapfile -t COMPREPLY < <(compgen -f -- "$word"; cd "$scripts/../experiments" && compgen -f -X '!*.yaml' -- "$word") ;;
+        sweep) mapfile -t COMPREPLY < <(compgen -f -- "$word"; cd "$scripts/../experiments/sweeps" && compgen -f -X '!*.yaml' -- "$word") ;;
         restart | logs | set) mapfile -t COMPREPLY < <(compgen -W "simulator planner controller logger renderer" -- "$word") ;;
         spy) mapfile -t COMPREPLY < <(compgen -W "list hz echo who ROBOT_STATE REFERENCE COMMAND INPUT EVENT PROCESS RUN END ACK NEED" -- "$word") ;;
         *) mapfile -t COMPREPLY < <(compgen -W "$run_names" -- "$word") ;;

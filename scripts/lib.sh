@@ -103,6 +103,16 @@ find_run() {
   return 1
 }
 
+# find_runs RUN..: sets dirs to their folders, or says which is none.
+find_runs() {
+  local run dir
+  dirs=()
+  for run; do
+    dir=$(find_run "$run") || die 2 "there is no run '$run' (scripts/lab ls lists them)"
+    dirs+=("$dir")
+  done
+}
+
 # An experiment by file, or by its name in experiments/.
 find_experiment() {
   local file

@@ -6,16 +6,13 @@
 #include <cmath>
 
 #include "procs/experiment/experiment.h"
+#include "procs/experiment/joints.h"
 
 namespace lab {
 namespace {
 
 std::string target_fault(const rbd::Model& model, const Action& action) {
-  if (!model.existFrame(action.target)) {
-    std::vector<std::string> names;
-    for (const rbd::Frame& frame : model.frames) names.push_back(frame.name);
-    return "no frame '" + action.target + "'" + did_you_mean(action.target, names);
-  }
+  if (const std::string fault = frame_fault(model, action.target); !fault.empty()) return fault;
   const std::vector<double>& x = action.values;
   if (x.size() != 3 && x.size() != 7)
     return "goal of frame '" + action.target + "' has " + std::to_string(x.size()) + " values, needed 3 (position) or 7 (and a quaternion)";

@@ -45,6 +45,15 @@ void check_disturbances(const Experiment& e, const simulator::Config& plant, std
 
 }  // namespace
 
+std::vector<Eigen::VectorXd> planned_poses(const Experiment& e, const rbd::Model& model, int count) {
+  const planner::Config plan = planner::make_config(e, model);
+  planner::State state = planner::initial(plan);
+  std::vector<Eigen::VectorXd> poses;
+  for (int i = 0; i < count; ++i)
+    poses.push_back(planner::step(plan, state, {.step = e.last_step() * i / std::max(count - 1, 1)}).reference.q);
+  return poses;
+}
+
 double stability_ratio(const Eigen::MatrixXd& Minv, const Eigen::VectorXd& kp, const Eigen::VectorXd& damping,
                        double h) {
   // G Minv G is symmetric and has the eigenvalues of Minv G^2. Plain loops: g++ 12 gives false alarms about
@@ -75,6 +84,7 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   const planner::Config plan = planner::make_config(e, model);
   const controller::Config control = controller::make_config(e, model);
   check_expect(e, model);
+  check_evaluation(e, model);
 
   std::vector<std::string> warnings = robot.warnings;
   for (int i = 0; i < model.nv; ++i)
@@ -90,11 +100,10 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
 
   check_disturbances(e, plant, warnings);
 
-  // along the planned path: speeds, and how stable the loop and the explicit friction are
+  // along the planned path: how stable the loop and the explicit friction are
   rbd::Data data(model);
   planner::State state = planner::initial(plan);
   Worst loop, friction, stops;
-  Eigen::VectorXd speed = Eigen::VectorXd::Zero(model.nv);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.nv),
                         drag = plant.damping + plant.friction / kSlipSpeed;  // slope at v = 0
   Eigen::VectorXd stop_stiffness = none, stop_damping = none;
@@ -108,7 +117,6 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
     const int64_t step = e.last_step() * i / kSamples;
     const Reference wanted = planner::step(plan, state, {.step = step}).reference;
     const double time = static_cast<double>(step) * e.simulator.dt;
-    for (int j = 0; j < model.nv; ++j) speed[j] = std::max(speed[j], std::abs(wanted.v[j]));
     const Eigen::MatrixXd Minv = rbd::computeMinverse(model, data, wanted.q);
     if (control.kind->cancels_inertia)  // error dynamics of mass 1
       note(loop, stability_ratio(Eigen::MatrixXd::Identity(model.nv, model.nv), control.kp, control.kd, h),
@@ -119,10 +127,12 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
     if (!plant.disturbances.stops.empty()) note(stops, stability_ratio(Minv, stop_stiffness, stop_damping, e.simulator.dt), time);
   }
   for (int i = 0; i < model.nv; ++i)
-    if (speed[i] > model.upperVelocityLimit[i])
+    if (plan.v_peak[i] > model.upperVelocityLimit[i] * (1 + 1e-9))
       warnings.push_back(warn(e, "planner.kind",
-                              "joint '" + joint_at(model, i) + "' shall move at " + number(speed[i]) +
-                                  ", its limit is " + number(model.upperVelocityLimit[i])));
+                              "joint '" + joint_at(model, i) + "' shall move at " + planner::rounded(plan.v_peak[i]) +
+                                  ", its limit is " + number(model.upperVelocityLimit[i]) + "; " + plan.kind->cure));
+  if (const double end = static_cast<double>(e.last_step()) * e.simulator.dt; plan.own_time && plan.duration > end)
+    warnings.push_back(warn(e, "simulator.duration", "the motion takes " + planner::rounded(plan.duration) + " s, and the run ends at " + number(end) + " s"));
   const auto judge = [&](const Worst& worst, const std::string& key, const std::string& what,
                          const std::string& cure) {
     if (worst.ratio > 0.5)

@@ -11,6 +11,9 @@ namespace lab {
 /// warnings for what can run but probably should not, each one line: unstable gains, speeds beyond limits, ..
 std::vector<std::string> check(const Experiment&, const Robot&);
 
+/// Configurations along what is planned, first and last step included: `count` of them, evenly in time.
+std::vector<Eigen::VectorXd> planned_poses(const Experiment&, const rbd::Model&, int count);
+
 /// How close a sampled PD (or explicit damping) is to instability: 1 = the limit, beyond which it explodes.
 /// With M x'' = -Kp x - D x' stepped by semi-implicit Euler with time h, each mode needs h D/M + h^2 Kp/(2 M)
 /// < 2; this is the largest of them over 2: half the largest eigenvalue of M^-1 (h D + h^2 Kp / 2), by power

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "procs/experiment/experiment.h"
+#include "procs/experiment/metrics.h"
 #include "procs/signals/signals.h"
 
 /// What a run was worth, from its logged steps alone: metrics.json.
@@ -22,27 +23,16 @@ struct Run {
   int64_t last_step = 0;              ///< that the experiment wanted
   bool aborted = false;
   std::string reason;  ///< of the abort
+  double band = 0.01;  ///< rad, m: within this error a joint counts as settled
+  std::string tool;    ///< frame whose errors are judged; empty = the last link
 };
 
-/// Within this error (rad, m) a joint counts as settled.
-inline constexpr double kSettled = 0.01;
+/// A run of the experiment that has no step yet.
+Run begin_run(const Experiment&, const rbd::Model&);
 
-/// A number of metrics.json that `expect` can bound; also per joint, "max_error.elbow", where per_joint says
-/// so.
-struct Metric {
-  const char* name;
-  const char* unit;
-  const char* what;
-  bool per_joint;
-};
-const std::vector<Metric>& metrics();
-
-/// Refuses (ExperimentError) an expected metric or joint that does not exist.
-void check_expect(const Experiment&, const rbd::Model&);
-
-/// All metrics; "joints": the same per joint; "verdicts" of `expect`, and "passed": every verdict holds and
-/// the run reached its last step. A metric that has no value is null (and fails its verdict); nothing is ever
-/// NaN. Errors are difference(q, q_ref) of the joints with one degree of freedom.
+/// All metrics; "joints": the same per joint; "reaches": one by one; "verdicts" of `expect`, and "passed": every
+/// verdict holds and the run reached its last step. A metric that has no value is null (and fails its verdict);
+/// nothing is ever NaN. Errors are difference(q, q_ref) of the joints with one degree of freedom.
 nlohmann::json evaluate(const Run&, const std::map<std::string, Bound>& expect);
 
 }  // namespace lab

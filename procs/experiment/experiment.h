@@ -102,15 +102,23 @@ struct Experiment {
   struct Planner {
     std::string kind = "hold";
     JointValues goal;       ///< rad, m
-    double duration = 0;    ///< s; the reader sets it to the simulator's unless given
+    double duration = 0;    ///< s; 0 = the shortest; the reader sets it to the simulator's unless given
     JointValues offset;     ///< rad, m; q0
     JointValues amplitude;  ///< rad, m
     JointValues frequency;  ///< rad/s; 1 + 0.3 i
     JointValues phase;      ///< rad
-    std::vector<JointValues> targets;  ///< rad, m: of point_to_point
+    std::vector<JointValues> targets;  ///< rad, m: of point_to_point, waypoints
+    std::vector<double> times;  ///< s, rising: of waypoints; none = the shortest
     double dwell = 0.5;     ///< s of rest at each target
     bool cycle = true;      ///< from the last target back to the first
     double speed = 0.5;     ///< share of the joints' speed limits
+    JointValues acceleration;  ///< rad/s2, m/s2; no bound
+    std::string frame;      ///< of line, circle
+    std::optional<std::array<double, 3>> to;      ///< m: where a line ends
+    std::optional<std::array<double, 3>> center;  ///< m: a point of a circle's axis
+    std::array<double, 3> normal{0, 0, 1};        ///< along that axis
+    double turns = 1;
+    bool keep_orientation = false;  ///< of the frame on a line, circle
     int64_t lead = 4;       ///< steps that references run ahead
     bool operator==(const Planner&) const = default;
   } planner;
@@ -136,7 +144,13 @@ struct Experiment {
     double fps = 20;  ///< pictures per second of simulation time
     std::array<int64_t, 2> size{640, 480};
     std::string camera = "iso";
+    bool orthographic = false;  ///< no perspective
+    double orbit = 0;           ///< rad/s: the camera goes round
+    std::string follow;         ///< frame that the camera goes along with
     std::string quality = "live";
+    int64_t ghost = 0;          ///< poses in ghost.png; 0 = no such picture
+    std::string trace;          ///< frame whose way is drawn
+    bool reference = false;     ///< what is wanted is drawn too
     bool operator==(const Renderer&) const = default;
   } renderer;
 
@@ -151,6 +165,12 @@ struct Experiment {
     std::string rearm = "auto";     ///< or manual
     bool operator==(const Safety&) const = default;
   } safety;
+
+  struct Evaluation {
+    double band = 0.01;  ///< rad, m: within this error a joint counts as settled
+    std::string frame;   ///< whose errors are the tool's; empty = the last link
+    bool operator==(const Evaluation&) const = default;
+  } evaluation;
 
   std::map<std::string, std::string> processes;  ///< name: command that takes the place of the usual one
   std::map<std::string, Bound> expect;           ///< metric: bound

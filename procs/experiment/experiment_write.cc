@@ -16,6 +16,8 @@ class Writer {
 
   template <class T>
   void write(const std::string& path, const T& member) {
+    if constexpr (std::is_same_v<T, std::string>)
+      if (member.empty()) return;  // a name that nothing needs
     const std::string value = text(member);
     if (value.empty()) return;  // unset: the default holds
     // open the sections that this key does not share with the one before
@@ -31,6 +33,10 @@ class Writer {
     out_.append(2 * depth, ' ') += path.substr(shared) + ": " + value + "\n";
   }
   const std::string& result() const { return out_; }
+  template <class T>
+  std::string value(const T& member) const {
+    return text(member);
+  }
 
  private:
   std::string text(double value) const {
@@ -44,6 +50,7 @@ class Writer {
 
   /// A word as it is if no YAML reader can take it for anything else, else in quotes.
   std::string text(const std::string& value) const {
+    if (value.empty()) return "";  // not given
     static const std::set<std::string> reserved{"true", "false", "null", "yes", "no",
                                                 "on",   "off",   "y",    "n",   "~"};
     const bool word =
@@ -97,6 +104,11 @@ class Writer {
   std::string text(const std::vector<T>& items) const {
     return items.empty() ? "" : list(items);
   }
+  template <class T>
+  std::string text(const std::optional<T>& value) const {
+    return value ? text(*value) : "";
+  }
+  std::string text(const std::vector<double>& values) const { return values.empty() ? "" : list(values); }
   std::string text(const std::vector<JointValues>& values) const { return values.empty() ? "" : list(values); }
   std::string text(const JointValues& values) const {
     if (const auto* one = std::get_if<double>(&values.value)) return text(*one);
@@ -115,6 +127,13 @@ std::string resolve(const Experiment& experiment) {
   Writer writer(false);
   for_each_key(experiment, [&](const Key& key, const auto& member) { writer.write(key.name, member); });
   return writer.result();
+}
+
+std::vector<std::pair<std::string, std::string>> key_values(const Experiment& experiment) {
+  const Writer writer(false);
+  std::vector<std::pair<std::string, std::string>> all;
+  for_each_key(experiment, [&](const Key& key, const auto& member) { all.emplace_back(key.name, writer.value(member)); });
+  return all;
 }
 
 std::string canonical(const Experiment& experiment) {

@@ -92,6 +92,22 @@ void read(const YAML::Node& node, const Key& key, std::array<T, n>& value) {
   for (size_t i = 0; i < n; ++i) read(node[i], key, value[i]);
 }
 
+template <class T>
+void read(const YAML::Node& node, const Key& key, std::optional<T>& value) {
+  read(node, key, value.emplace());
+}
+
+void read(const YAML::Node& node, const Key& key, std::vector<double>& value) {
+  if (!node.IsSequence() || node.size() == 0) throw Fault{"must be a list of numbers, not " + (node.IsSequence() ? "empty" : show(node))};
+  for (const YAML::Node& item : node) {
+    try {
+      read(item, key, value.emplace_back());
+    } catch (const Fault& fault) {
+      throw Fault{fault.message, "[" + std::to_string(value.size() - 1) + "]"};
+    }
+  }
+}
+
 void read(const YAML::Node& node, const Key& key, std::map<std::string, double>& value) {
   if (!node.IsMap()) throw Fault{"must be a map joint: number, not " + show(node)};
   for (const auto& item : node) {
@@ -212,7 +228,7 @@ void read(const YAML::Node& node, const Key&, std::map<std::string, Bound>& valu
 /// The leaves of the document by key, each with where it stands.
 class Document {
  public:
-  Document(const std::string& text, const std::string& file, const std::vector<std::string>& overrides)
+  Document(const std::string& text, const std::string& file, std::span<const Override> overrides)
       : file_(file) {
     for_each_key(static_cast<const Experiment&>(nothing_),
                  [&](const Key& key, const auto&) { keys_.push_back(key.name); });
@@ -224,7 +240,7 @@ class Document {
     if (root_.IsNull()) root_ = YAML::Node(YAML::NodeType::Map);
     if (!root_.IsMap())
       throw ExperimentError(file_ + ":1: must be a map of sections (robot:, simulator:, ..)");
-    for (const std::string& text : overrides) override_with(text);
+    for (const Override& one : overrides) override_with(one);
     walk(root_, "", 1);
   }
 
@@ -235,16 +251,18 @@ class Document {
  private:
   std::string at_line(const YAML::Mark& mark) const { return file_ + ":" + std::to_string(mark.line + 1); }
 
-  void override_with(const std::string& text) {
+  void override_with(const Override& one) {
+    const std::string& text = one.text;
     const size_t equals = text.find('=');
     const std::string path = text.substr(0, equals);
+    const std::string head = one.place == "--set" ? "--set " : one.place + ": ";
     if (equals == std::string::npos || path.empty())
-      throw ExperimentError("--set " + text + ": must look like controller.kp=80");
+      throw ExperimentError(head + text + ": must look like controller.kp=80");
     YAML::Node value;
     try {
       value = YAML::Load(text.substr(equals + 1));
     } catch (const YAML::ParserException& e) {
-      throw ExperimentError("--set " + path + ": not a YAML value: " + e.msg);
+      throw ExperimentError(head + path + ": not a YAML value: " + e.msg);
     }
     YAML::Node at = root_;
     std::stringstream parts(path);
@@ -254,19 +272,19 @@ class Document {
       YAML::Node below = at[part];
       if (!below.IsDefined() || below.IsNull()) below = YAML::Node(YAML::NodeType::Map), at[part] = below;
       if (!below.IsMap())
-        throw ExperimentError("--set " + path + ": '" + part + "' is not a map in " + file_);
+        throw ExperimentError(head + path + ": '" + part + "' is not a map in " + file_);
       at.reset(below);
     }
     at[part] = value;
-    set_.insert(path);
+    set_[path] = one.place;
   }
 
   /// Where the value of `path` comes from: the text, or an override of it or of a part of it.
   std::string origin(const std::string& path, const std::string& in_text) const {
     const auto after = set_.lower_bound(path);
-    if (after != set_.end() && (*after == path || after->starts_with(path + "."))) return "--set";
+    if (after != set_.end() && (after->first == path || after->first.starts_with(path + "."))) return after->second;
     for (size_t dot = path.find_last_of(".["); dot != std::string::npos && dot > 0; dot = path.find_last_of(".[", dot - 1))
-      if (set_.count(path.substr(0, dot))) return "--set";
+      if (const auto whole = set_.find(path.substr(0, dot)); whole != set_.end()) return whole->second;
     return in_text;
   }
 
@@ -324,7 +342,7 @@ class Document {
 
   std::string file_;
   YAML::Node root_;
-  std::set<std::string> set_;
+  std::map<std::string, std::string> set_;  // key: where the override was written
   std::vector<std::string> keys_;
   Experiment nothing_;
 };
@@ -333,6 +351,12 @@ class Document {
 
 Experiment parse_experiment(const std::string& text, const std::string& file,
                             const std::vector<std::string>& overrides) {
+  std::vector<Override> all;
+  for (const std::string& one : overrides) all.push_back({one});
+  return parse_experiment(text, file, std::span<const Override>(all));
+}
+
+Experiment parse_experiment(const std::string& text, const std::string& file, std::span<const Override> overrides) {
   Document document(text, file, overrides);
   Experiment experiment;
   experiment.file = file;
@@ -365,18 +389,22 @@ Experiment parse_experiment(const std::string& text, const std::string& file,
     for (const std::string& fault : faults) lines += (lines.empty() ? "" : "\n") + fault;
     throw ExperimentError(lines);
   }
-  if (experiment.planner.duration == 0) experiment.planner.duration = experiment.simulator.duration;
+  if (!document.leaves.count("planner.duration")) experiment.planner.duration = experiment.simulator.duration;
   return experiment;
 }
 
-Experiment load_experiment(const std::string& file, const std::vector<std::string>& overrides) {
+std::string experiment_text(const std::string& file) {
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   std::stringstream text;
   if (!in || std::filesystem::is_directory(file) || !(text << in.rdbuf()))
     throw ExperimentError(file + ": cannot be read (" +
                           (errno ? std::strerror(errno) : "empty, or not a file") + ")");
-  return parse_experiment(text.str(), file, overrides);
+  return text.str();
+}
+
+Experiment load_experiment(const std::string& file, const std::vector<std::string>& overrides) {
+  return parse_experiment(experiment_text(file), file, overrides);
 }
 
 }  // namespace lab

@@ -28,7 +28,7 @@ Eigen::VectorXd configuration(const Experiment&, const std::string& key, const J
 /// several degrees of freedom, or does not exist. "" if it can.
 std::string joint_fault(const rbd::Model&, const std::string& name);
 
-/// Why a frame cannot be pushed or loaded: it does not exist, or stands on the ground. "" if it can.
+/// Why a frame cannot be pushed, loaded or led somewhere: it does not exist, or stands on the ground. "" if it can.
 std::string frame_fault(const rbd::Model&, const std::string& name);
 
 /// Name of the joint that velocity entry i belongs to.

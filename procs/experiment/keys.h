@@ -114,10 +114,11 @@ void for_each_key(E& e, F&& f) {
     e.simulator.limit_repulsion.damping);
   f(K{"simulator.limit_repulsion.margin", "rad, m", "0.1", "how far before the limit both begin", 0}, e.simulator.limit_repulsion.margin);
 
-  f(K{"planner.kind", "", "hold", "`hold` (stay at q0), `cubic`, `quintic`, `sinusoid` or `point_to_point`"}, e.planner.kind);
+  f(K{"planner.kind", "", "hold", "`hold` (stay at q0), `cubic`, `quintic`, `sinusoid`, `point_to_point`, `waypoints`, `line` or `circle`"}, e.planner.kind);
   f(K{"planner.goal", "rad, m", "needed by cubic, quintic", "where the motion ends, inside the joint limits"},
     e.planner.goal);
-  f(K{"planner.duration", "s", "the simulator's", "time from q0 to the goal, which then holds", kTiny, kLong},
+  f(K{"planner.duration", "s", "the simulator's", "time from q0 to the goal, or along a line or circle; then it stays there. 0: the shortest within `speed` and `acceleration`",
+      0, kLong},
     e.planner.duration);
   f(K{"planner.offset", "rad, m", "simulator.q0",
       "sinusoid: q = offset + amplitude sin(frequency t + phase)"},
@@ -126,15 +127,27 @@ void for_each_key(E& e, F&& f) {
   f(K{"planner.frequency", "rad/s", "1 + 0.3 i", "sinusoid; i = 0 for the first joint", 0},
     e.planner.frequency);
   f(K{"planner.phase", "rad", "0", "sinusoid"}, e.planner.phase);
-  f(K{"planner.targets", "rad, m", "needed by point_to_point",
-      "a list of configurations that are visited in turn, along quintics, the first from q0"},
+  f(K{"planner.targets", "rad, m", "needed by point_to_point, waypoints",
+      "a list of configurations that are visited in turn, the first from q0: along quintics with a rest at each, or (waypoints) along one spline"},
     e.planner.targets);
+  f(K{"planner.times", "s", "the shortest", "waypoints: when each target is reached, rising", kTiny, kLong}, e.planner.times);
   f(K{"planner.dwell", "s", "0.5", "point_to_point: rest at each target", 0, kLong}, e.planner.dwell);
   f(K{"planner.cycle", "", "true", "point_to_point: from the last target to the first again; `false`: stay there"},
     e.planner.cycle);
   f(K{"planner.speed", "", "0.5",
-      "share of the joints' speed limits that point_to_point, and goals given while it runs, make use of", 0.01, 1},
+      "share of the joints' speed limits that is used where the planner chooses the time: point_to_point, waypoints, `duration: 0`, goals given while it runs",
+      0.01, 1},
     e.planner.speed);
+  f(K{"planner.acceleration", "rad/s2, m/s2", "no bound", "largest acceleration where the planner chooses the time", kTiny},
+    e.planner.acceleration);
+  f(K{"planner.frame", "", "needed by line, circle", "the frame that moves along the path"}, e.planner.frame);
+  f(K{"planner.to", "m", "needed by line", "where the line ends, in the world"}, e.planner.to);
+  f(K{"planner.center", "m", "needed by circle", "a point of the axis about which the frame turns, from where it is at q0"},
+    e.planner.center);
+  f(K{"planner.normal", "", "[0, 0, 1]", "circle: the direction of its axis; turns are by the right hand"}, e.planner.normal);
+  f(K{"planner.turns", "", "1", "circle: how often round; negative: the other way", -100, 100}, e.planner.turns);
+  f(K{"planner.keep_orientation", "", "false", "line, circle: `true` keeps the frame's orientation as it is at q0"},
+    e.planner.keep_orientation);
   f(K{"planner.lead", "steps", "4", "how far references run ahead; from 16 on the planner works in batches and the loop runs about twice as fast", 0, 128}, e.planner.lead);
 
   f(K{"controller.kind", "", "pd", "`none`, `pd`, `pd_gravity` or `computed_torque`"}, e.controller.kind);
@@ -164,6 +177,11 @@ void for_each_key(E& e, F&& f) {
       {"iso", "front", "side", "top"},
       false},
     e.renderer.camera);
+  f(K{"renderer.orthographic", "", "false", "`true`: without perspective", -kInf, kInf, {}, false}, e.renderer.orthographic);
+  f(K{"renderer.orbit", "rad/s", "0", "the camera goes round the robot at this speed, seen from above", -100, 100, {}, false},
+    e.renderer.orbit);
+  f(K{"renderer.follow", "", "nothing", "frame that the camera goes along with, without turning", -kInf, kInf, {}, false},
+    e.renderer.follow);
   f(K{"renderer.quality",
       "",
       "live",
@@ -173,6 +191,13 @@ void for_each_key(E& e, F&& f) {
       {"draft", "live", "fine"},
       false},
     e.renderer.quality);
+
+  f(K{"renderer.ghost", "", "0", "`ghost.png` shows the way in this many poses; 0: no such picture", 0, 100, {}, false},
+    e.renderer.ghost);
+  f(K{"renderer.trace", "", "nothing", "frame whose way is drawn, from blue to red as time goes by", -kInf, kInf, {}, false},
+    e.renderer.trace);
+  f(K{"renderer.reference", "", "false", "`true`: the wanted pose is drawn as a green ghost", -kInf, kInf, {}, false},
+    e.renderer.reference);
 
   f(K{"safety.timeout", "s", "0.02", "real time: a command made from an older state is stale, and the robot is held", kTiny, 10},
     e.safety.timeout);
@@ -213,6 +238,8 @@ void for_each_key(E& e, F&& f) {
       {},
       false},
     e.processes);
+  f(K{"evaluation.band", "rad, m", "0.01", "error within which a joint counts as settled", 0, kLong}, e.evaluation.band);
+  f(K{"evaluation.frame", "", "the last link", "frame whose errors are the tool's"}, e.evaluation.frame);
   f(K{"expect", "", "nothing", "metric: {max: x}, {min: x} or both; a run outside ends with exit code 1"},
     e.expect);
 }

@@ -12,6 +12,8 @@
 #include "procs/experiment/manifest.h"
 #include "procs/experiment/procfile.h"
 #include "procs/experiment/read_run.h"
+#include "procs/report/verbs.h"
+#include "procs/sweep/verb.h"
 
 namespace lab {
 namespace {
@@ -106,6 +108,13 @@ void print_metrics(const json& all) {
     std::cout << "handbook's figure " << cell(all["handbook_error"]) << " ("
               << all["handbook_grade"].get<std::string>() << "), energy drift " << cell(all["energy_drift"])
               << " J\n";
+  if (all.contains("tool_frame") && all["tool_frame"].is_string())
+    std::cout << "tool " << all["tool_frame"].get<std::string>() << " within " << cell(all["max_tool_error"]) << " m and "
+              << cell(all["max_tool_turn"]) << " rad of its reference\n";
+  if (!all["reaches"].empty())
+    std::cout << all["reaches"].size() << (all["reaches"].size() == 1 ? " reach" : " reaches") << ": settled after at most "
+              << cell(all["reach_settling_max"]) << " s, overshoot " << cell(all["overshoot_max"]) << ", error left "
+              << cell(all["steady_error_max"]) << "\n";
   for (const json& verdict : all["verdicts"]) {
     std::cout << (verdict["ok"].get<bool>() ? "ok      " : "FAILED  ") << verdict["metric"].get<std::string>()
               << " " << cell(verdict["value"]);
@@ -204,6 +213,19 @@ int run(int argc, char** argv) {
   manifest->add_option("--wall", o.launch.wall_seconds, "seconds the run took");
   manifest->footer("example: lab-experiment manifest runs/latest --exit simulator=0 --wall 3.2");
 
+  CLI::App* report =
+      app.add_subcommand("report", "Writes RUN/report.html of each run: one page, plots and all; prints its path.");
+  report->add_option("runs", o.files, "folders of runs")->required();
+  report->footer("example: lab-experiment report runs/latest");
+
+  CLI::App* compare = app.add_subcommand("compare", "Compares runs with the first of them.");
+  compare->add_option("runs", o.files, "folders of runs")->required()->expected(2, 32);
+  compare->add_option("-o,--output", o.out, "page to write (HTML)");
+  as_json(compare);
+  compare->footer("example: lab-experiment compare runs/sinusoid_pd runs/sinusoid_ct -o compare.html");
+  sweep::Options many;
+  CLI::App* sweep = sweep::add_verb(app, many);
+
   CLI::App* keys = app.add_subcommand("keys", "Prints the table of all keys (Markdown).");
   keys->footer("example: lab-experiment keys");
 
@@ -218,6 +240,9 @@ int run(int argc, char** argv) {
     if (*processes) return list_processes(o);
     if (*evaluate) return evaluate_run(o);
     if (*manifest) return write_manifest(o);
+    if (*report) report::report_runs(o.files);
+    if (*compare) report::compare_runs(o.files, o.out, o.as_json);
+    if (*sweep) return sweep::run(many);
     if (*keys) std::cout << key_table();
     return kOk;
   } catch (const std::exception& e) {

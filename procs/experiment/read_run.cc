@@ -38,8 +38,6 @@ std::map<int64_t, Command> by_step_led_to(const std::map<int64_t, int64_t>& comm
 
 LoggedRun read_run(const std::string& log) {
   LoggedRun out;
-  out.run.aborted = true;
-  out.run.reason = "the log has no END";
   std::map<int64_t, Reference> references;
   std::map<int64_t, Command> commands;
   std::map<int64_t, int64_t> command_steps;  // by the state that it led to
@@ -59,6 +57,8 @@ LoggedRun read_run(const std::string& log) {
       out.experiment = parse_experiment(message.experiment, log + ":RUN");
       out.robot = load_robot(out.experiment, message.urdf, log + ":RUN");
       plant = simulator::make_config(out.experiment, out.robot.model);
+      out.run = begin_run(out.experiment, out.robot.model);
+      out.run.aborted = true, out.run.reason = "the log has no END";
       guard.set_run(message.run);
       guard.set_sizes(out.robot.model.nq, out.robot.model.nv);
       begun = true;
@@ -107,11 +107,6 @@ LoggedRun read_run(const std::string& log) {
     whole.push_back(std::move(state));
   }
   out.run.states = std::move(whole);
-  out.run.model = out.robot.model;
-  out.run.dt = plant.dt;
-  out.run.damping = plant.damping;
-  out.run.friction = plant.friction;
-  out.run.last_step = out.experiment.last_step();
   return out;
 }
 

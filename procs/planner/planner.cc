@@ -10,12 +10,6 @@
 namespace lab::planner {
 namespace {
 
-void stay(const Eigen::VectorXd& q, Reference& out) {
-  out.q = q;
-  out.v.setZero();
-  out.a.setZero();
-}
-
 constexpr double kShare = 0.5;  // of the speed limits that coming back to the motion may add to it
 
 /// The motion at its own time t.
@@ -145,7 +139,7 @@ std::string go_back(const Config& c, State& s, const Action& action, int64_t ste
   if (action.key != "motion" || action.text != "on") return "the planner knows only motion=on";
   if (!s.way || s.way->onward) return "";  // it is on
   const double left = s.left;
-  const auto arrival = c.kind->next_arrival;
+  const auto arrival = c.kind->comes_back;
   Reference to = from;
   c.kind->law(c, arrival ? arrival(c, left) : left, to);
   return take_way(c, s, step, shortest_way(c, from.q, to.q), true, [&](double T) {

@@ -84,7 +84,7 @@ constexpr size_t count() {
 template <class T>
 auto tie(const T& m) {
   constexpr size_t n = count<T>();
-  static_assert(n >= 1 && n <= 21, "add a case below");
+  static_assert(n >= 1 && n <= 23, "add a case below");
   if constexpr (n == 1) { auto& [a] = m; return std::tie(a); }
   else if constexpr (n == 2) { auto& [a, b] = m; return std::tie(a, b); }
   else if constexpr (n == 3) { auto& [a, b, c] = m; return std::tie(a, b, c); }
@@ -123,9 +123,15 @@ auto tie(const T& m) {
   } else if constexpr (n == 20) {
     auto& [a, b, c, d, e, f, g, h, i, j, k, l, o, p, q, r, s, t, u, v] = m;
     return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, o, p, q, r, s, t, u, v);
-  } else {
+  } else if constexpr (n == 21) {
     auto& [a, b, c, d, e, f, g, h, i, j, k, l, o, p, q, r, s, t, u, v, w] = m;
     return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, o, p, q, r, s, t, u, v, w);
+  } else if constexpr (n == 22) {
+    auto& [a, b, c, d, e, f, g, h, i, j, k, l, o, p, q, r, s, t, u, v, w, x] = m;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, o, p, q, r, s, t, u, v, w, x);
+  } else {
+    auto& [a, b, c, d, e, f, g, h, i, j, k, l, o, p, q, r, s, t, u, v, w, x, y] = m;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, o, p, q, r, s, t, u, v, w, x, y);
   }
 }
 

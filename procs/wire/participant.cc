@@ -171,7 +171,10 @@ int Participant::run(Role& role) {
   return finish(role.outcome().exit_code, role.outcome().reason);
 }
 
-void Participant::note_loop(Micros us) { loops_[next_loop_++ % loops_.size()] = static_cast<float>(us); }
+void Participant::note_loop(Micros us) {
+  loops_[next_loop_++ % loops_.size()] = static_cast<float>(us);
+  ++loop_counts_[static_cast<size_t>(loop_bin(us))];
+}
 
 void Participant::say_process(Role& role, const std::string& state) {
   const BusCounters bus = bus_->counters();
@@ -186,6 +189,9 @@ void Participant::say_process(Role& role, const std::string& state) {
     std::sort(loops.begin(), loops.end());
     process.loop_p50 = loops[loops.size() / 2], process.loop_p99 = loops[loops.size() * 99 / 100], process.loop_max = loops.back();
   }
+  const auto last = std::find_if(loop_counts_.rbegin(), loop_counts_.rend(), [](int64_t n) { return n > 0; });
+  process.loops.assign(loop_counts_.begin(), last.base());
+  process.nloops = static_cast<int32_t>(process.loops.size());
   if (const Lateness* late = role.lateness()) {
     process.overruns = role.overruns();
     process.lateness_p50 = static_cast<float>(late->quantile(0.5)), process.lateness_p99 = static_cast<float>(late->quantile(0.99));

@@ -1,10 +1,12 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "procs/wire/bus.h"
 #include "procs/wire/guard.h"
+#include "procs/wire/loop_bins.h"
 #include "procs/wire/role.h"
 
 namespace lab {
@@ -41,6 +43,7 @@ class Participant {
   int64_t received_ = 0, rejected_ = 0, foreign_ = 0;
   std::string last_rejected_;
   std::vector<float> loops_;  ///< us, the last few hundred
+  std::array<int64_t, kLoopBins> loop_counts_{};  ///< of all since the start
   size_t next_loop_ = 0;
 };
 

@@ -15,6 +15,7 @@ case $1 in
     cp "$in" "$out" && [ -z "${sets:-}" ] || echo "# set$sets" >>"$out" ;;
   processes) cat "$2" ;;
   evaluate) echo '{}' >"$2/metrics.json"; echo "tracking: ok"; ! grep -q unexpected "$2/experiment.yaml" ;;
+  report) echo page >"$2/report.html"; ! grep -q unpaintable "$2/experiment.yaml" ;;
   manifest) dir=$2; shift 2; echo "$*" >"$dir/manifest.json" ;;
 esac
 IN
@@ -44,6 +45,21 @@ log_has() { grep -q "$2" "$LAB_RUNS/trial/processes/$1.log" 2>/dev/null; }
   run lab_run
   [ "$(readlink "$LAB_RUNS/latest")" = trial-2 ]
   [ -z "$(find "$LAB_RUNS" -name '.*' -not -path "$LAB_RUNS")" ]
+}
+
+@test "a report at the end, unless it is not wanted; the verdict does not hang on it" {
+  given "simulator: true # $mark"
+  run lab_run
+  [ "$status" -eq 0 ]
+  [[ $output == *"report.html"* ]]
+  [ -s "$LAB_RUNS/trial/report.html" ]
+  run lab_run --no-report
+  [ "$status" -eq 0 ]
+  [ ! -e "$LAB_RUNS/trial-2/report.html" ]
+  given "simulator: true # unpaintable $mark"
+  run lab_run
+  [ "$status" -eq 0 ]
+  [[ $output == *"there is no report for this run"* ]]
 }
 
 @test "a missed expectation is 1" {

@@ -5,8 +5,11 @@
 #include <rbd/rbd.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "tests/procs/experiment/by_hand.h"
 #include "tests/procs/experiment/loop.h"
 
 namespace lab {
@@ -14,32 +17,13 @@ namespace {
 
 using nlohmann::json;
 
-/// Two joints that are never asked to do anything but have errors of our choice.
-Run by_hand(const std::vector<double>& first, const std::vector<double>& second) {
-  lab::Run run;
-  const rbd::Inertia ball = rbd::Inertia::FromSphere(1, 0.1);
-  run.model.addJoint(0, rbd::JointModelRZ(), rbd::SE3(), "one");
-  run.model.appendBodyToJoint(1, ball);
-  run.model.addJoint(1, rbd::JointModelRZ(), rbd::SE3(), "two");
-  run.model.appendBodyToJoint(2, ball);
-  run.dt = 0.1;
-  run.damping = run.friction = Eigen::VectorXd::Zero(2);
-  run.last_step = static_cast<int64_t>(first.size()) - 1;
-  for (size_t k = 0; k < first.size(); ++k) {
-    RobotState s;
-    s.step = static_cast<int64_t>(k);
-    s.q = s.v = s.tau = Eigen::VectorXd::Zero(2);
-    Reference r{.step = s.step, .q = Eigen::Vector2d(first[k], second[k]), .v = s.v, .a = s.v};
-    run.states.push_back(s);
-    run.references.push_back(r);
-  }
-  return run;
-}
+using test::by_hand;
 
 TEST(Evaluate, FiguresOfASeriesByHand) {
   lab::Run run = by_hand({0.3, -0.4, 0, 0.005}, {0, 0.3, 0, -0.002});
   run.states[2].tau = Eigen::Vector2d(3, -4);
-  run.model.upperEffortLimit << 6, 5;
+  run.model.upperEffortLimit << 6, 7;
+  run.model.lowerEffortLimit << -6, -5;
   const json out = evaluate(run, {});
   EXPECT_DOUBLE_EQ(out["max_error"], 0.4);
   EXPECT_NEAR(out["mean_error"], (0.3 + 0.4 + 0.005 + 0.3 + 0.002) / 8, 1e-15);
@@ -188,6 +172,40 @@ TEST(Evaluate, ExpectationsMustExist) {
   EXPECT_EQ(message("max_error.joint2_sholder"),
             "x.yaml: expect.max_error.joint2_sholder: 'manipulator' has no such joint; did you mean "
             "'joint2_shoulder'?");
+}
+
+TEST(Evaluate, TheToolMustExist) {
+  rbd::Model model;
+  rbd::buildModels::manipulator(model);
+  Experiment e;
+  e.file = "x.yaml";
+  e.evaluation.frame = "arm_tool_lnk";
+  try {
+    check_evaluation(e, model);
+    FAIL() << "accepted";
+  } catch (const ExperimentError& error) {
+    EXPECT_STREQ(error.what(), "x.yaml: evaluation.frame: 'manipulator' has no frame 'arm_tool_lnk'; did you mean 'arm_tool_link'?");
+  }
+  e.evaluation.frame = "arm_tool_link";
+  check_evaluation(e, model);
+}
+
+// a metric that can be expected is in the metrics of a run, in the table of docs/experiments.md and on docs/metrics.md
+TEST(Evaluate, EveryMetricIsThereAndExplained) {
+  const auto page = [](const char* name) {
+    std::ifstream in(std::string(LAB_SOURCE_DIR "/docs/") + name);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::string experiments = page("experiments.md"), formulas = page("metrics.md");
+  const json out = evaluate(by_hand({0, 0}, {0, 0}), {});
+  for (const Metric& metric : metrics()) {
+    EXPECT_TRUE(out.contains(metric.name)) << metric.name;
+    EXPECT_EQ(out["joints"][0].contains(metric.name), metric.per_joint) << metric.name;
+    EXPECT_NE(experiments.find(std::string("| `") + metric.name + "` | " + metric.unit + " | " + metric.what + " |\n"),
+              std::string::npos)
+        << metric.name;
+    EXPECT_NE(formulas.find(std::string("`") + metric.name + "`"), std::string::npos) << metric.name;
+  }
 }
 
 }  // namespace

@@ -107,6 +107,9 @@ constexpr Case kRefused[] = {
      "x.yaml:5: planner.targets[1]: must be a list of numbers or a map joint: number, not '3'"},
     {"robot: {model: m}\nplanner:\n  targets:\n    - elbow: 1\n      wrist: much\n",
      "x.yaml:5: planner.targets[0].wrist: must be a number, not 'much'"},
+    {"robot: {model: m}\nplanner:\n  times: 3\n", "x.yaml:3: planner.times: must be a list of numbers, not '3'"},
+    {"robot: {model: m}\nplanner:\n  times:\n    - 1\n    - -2\n", "x.yaml:5: planner.times[1]: -2 is too small; give at least 1e-06 (s)"},
+    {"robot: {model: m}\nplanner:\n  to: [1, 2]\n", "x.yaml:3: planner.to: must be a list of 3 numbers, not of 2"},
     {"robot: {model: m, mimic: yes}\n", "x.yaml:1: robot.mimic: must be true or false, not 'yes'"},
     {"robot: {model: m}\nrenderer:\n  size: [640]\n",
      "x.yaml:3: renderer.size: must be a list of 2 numbers, not of 1"},
@@ -166,6 +169,7 @@ TEST(ExperimentYaml, DefaultsFollowTheRest) {
   EXPECT_EQ(e.name, "reach");
   EXPECT_EQ(e.planner.duration, 3);
   EXPECT_EQ(e.last_step(), 300);
+  EXPECT_EQ(parse_experiment(kText, "x", {"planner.duration=0"}).planner.duration, 0) << "the shortest";
   EXPECT_EQ(parse_experiment("robot: {model: m}\nsimulator: {dt: 0.3, duration: 1}", "x").last_step(), 3);
 }
 
@@ -208,10 +212,18 @@ class Randomizer {
   void operator()(const Key& key, std::array<T, n>& x) {
     for (T& value : x) (*this)(key, value);
   }
+  template <class T>
+  void operator()(const Key& key, std::optional<T>& x) {
+    if (random_() % 2) (*this)(key, x.emplace());
+  }
+  void operator()(const Key& key, std::vector<double>& x) {
+    x.resize(random_() % 4);
+    for (double& value : x) value = within(key);
+  }
   void operator()(const Key& key, JointValues& x) {
     const int form = random_() % 4;
     if (form == 1) x.value = within(key);
-    if (form == 2) x.value = std::vector<double>{within(key), within(key), 0.1, -0.0};
+    if (form == 2) x.value = std::vector<double>{within(key), within(key), 0.1, std::max(-0.0, key.least)};
     if (form == 3)
       x.value = JointValues::Named{{"elbow", within(key)}, {"true", 2}, {"left arm: 1", within(key)}};
   }
@@ -268,11 +280,12 @@ TEST(ExperimentYaml, CanonicalTextKeepsWhatCountsAndNothingElse) {
     ASSERT_EQ(back.planner, e.planner);
     ASSERT_EQ(back.controller, e.controller);
     ASSERT_EQ(back.safety, e.safety);
+    ASSERT_EQ(back.evaluation, e.evaluation);
     ASSERT_EQ(back.expect, e.expect);
     // what cannot change the log cannot change the text
     other.name = e.name, other.seed = e.seed, other.robot = e.robot, other.simulator = e.simulator;
     other.planner = e.planner, other.controller = e.controller, other.expect = e.expect;
-    other.safety = e.safety;
+    other.safety = e.safety, other.evaluation = e.evaluation;
     if (!other.robot.model.starts_with("builtin:")) other.robot.model = "/another/folder/robot.urdf";
     ASSERT_EQ(canonical(other), canonical(e));
   }

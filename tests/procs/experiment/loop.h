@@ -23,12 +23,7 @@ inline LoopResult run_loop(const Experiment& e, const rbd::Model& model) {
   controller::State control_state = controller::initial(control);
 
   LoopResult out;
-  Run& run = out.run;
-  run.model = model;
-  run.dt = plant.dt;
-  run.damping = plant.damping;
-  run.friction = plant.friction;
-  run.last_step = e.last_step();
+  Run& run = out.run = begin_run(e, model);
   run.states.push_back(plant_state.robot);
   RobotState seen = simulator::sensed(plant, plant_state);
   for (int64_t k = 0;; ++k) {

@@ -14,6 +14,7 @@
 #include <lab/run_t.hpp>
 
 #include "procs/wire/codec.h"
+#include "procs/wire/loop_bins.h"
 
 namespace lab::test {
 namespace {
@@ -191,6 +192,22 @@ TEST(Ticker, EndsWithALastWordThatTheLoggerConfirms) {
   EXPECT_TRUE(w.ticker->outcome().ended);
   EXPECT_EQ(w.ticker->outcome().exit_code, kOk);
   EXPECT_EQ(decode<end_t>(w.last(Channel::End)).step, 10);
+}
+
+// every time is in the bin that says so, and no bin is wider than a quarter of its time
+TEST(LoopBins, EachTimeHasItsBin) {
+  for (int64_t us = 0; us < loop_bin_start(kLoopBins); us += 1 + us / 50) {
+    const int bin = loop_bin(us);
+    ASSERT_LE(loop_bin_start(bin), us);
+    ASSERT_GT(loop_bin_start(bin + 1), us);
+  }
+  for (int bin = 1; bin < kLoopBins; ++bin) {
+    EXPECT_EQ(loop_bin(loop_bin_start(bin)), bin);
+    EXPECT_EQ(loop_bin(loop_bin_start(bin) - 1), bin - 1);
+    EXPECT_LE(loop_bin_start(bin + 1) - loop_bin_start(bin), std::max<int64_t>(1, loop_bin_start(bin) / 4));
+  }
+  EXPECT_EQ(loop_bin(-5), 0);
+  EXPECT_EQ(loop_bin(int64_t{1} << 60), kLoopBins - 1);
 }
 
 TEST(Lateness, QuantilesOfAKnownSample) {

@@ -1,0 +1,92 @@
+#include "procs/solo/direct.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "procs/controller/controller.h"
+#include "procs/planner/planner.h"
+#include "procs/simulator/ledger.h"
+#include "procs/wire/convert.h"
+
+namespace lab::solo {
+namespace {
+
+constexpr int64_t kLook = 1024;  // steps between two questions to keep_going
+
+/// As planner and controller see it: a message's time is in whole microseconds.
+RobotState received(RobotState state, double dt) {
+  state.time = static_cast<double>(step_utime(state.step, dt)) * 1e-6;
+  return state;
+}
+
+/// The words that lab-solo has for an effort that no guard would let pass; empty if it may be sent.
+std::string fault_of(const Command& command) {
+  for (Eigen::Index i = 0; i < command.tau.size(); ++i)
+    if (!std::isfinite(command.tau[i]))
+      return fmt::format("the effort for step {} is not finite: tau[{}] is {}; nothing was sent", command.state_step, i, command.tau[i]);
+  return "";
+}
+
+/// Only the steps that the logger would have written.
+void thin_out(Run& run, int64_t every) {
+  size_t kept = 0;
+  for (size_t k = 0; k < run.states.size(); ++k) {
+    if (run.states[k].step % every != 0 && k + 1 != run.states.size()) continue;
+    if (kept != k) run.states[kept] = std::move(run.states[k]), run.references[kept] = std::move(run.references[k]);
+    ++kept;
+  }
+  run.states.resize(kept), run.references.resize(kept);
+}
+
+}  // namespace
+
+std::optional<Run> run_direct(const Experiment& e, const Robot& robot, const std::function<bool()>& keep_going) {
+  const simulator::Config plant = simulator::make_config(e, robot.model);
+  const planner::Config plan = planner::make_config(e, robot.model);
+  const controller::Config control = controller::make_config(e, robot.model);
+  simulator::State plant_state = simulator::initial(plant);
+  planner::State plan_state = planner::initial(plan);
+  controller::State control_state = controller::initial(control);
+
+  Run run = begin_run(e, robot.model);
+  const int64_t lead = e.planner.lead, every = e.controller.every;
+  run.states.reserve(static_cast<size_t>(std::min<int64_t>(run.last_step + 1, 1 << 20)));
+  run.references.reserve(run.states.capacity());
+  const auto refer = [&](int64_t step, const RobotState* state) {
+    if (step <= run.last_step) run.references.push_back(planner::step(plan, plan_state, {.step = step, .state = state}).reference);
+  };
+  const auto give_up = [&](std::string reason) { run.aborted = true, run.reason = std::move(reason); };
+
+  // the first references go out before there is a state
+  for (int64_t step = 0; step < lead; ++step) refer(step, nullptr);
+  run.states.push_back(plant_state.robot);
+  RobotState seen = received(simulator::sensed(plant, plant_state), run.dt);
+  Command command;
+  for (int64_t k = 0; !run.aborted; ++k) {
+    if (k % kLook == 0 && keep_going && !keep_going()) return std::nullopt;
+    refer(k + lead, &seen);
+    const bool due = k % every == 0;
+    if (due) {
+      command = controller::step(control, control_state, {.state = seen, .reference = run.references[static_cast<size_t>(k)]}).command;
+      command.state_step = k;
+      if (std::string fault = fault_of(command); !fault.empty()) give_up(std::move(fault));
+    }
+    if (k == run.last_step || run.aborted) break;
+    simulator::Output next = simulator::step(plant, plant_state, {.command = due ? &command : nullptr});
+    if (!next.abort) {
+      run.states.push_back(plant_state.robot);
+      seen = received(std::move(next.state), run.dt);
+    } else {
+      const Event& event = next.events.back();
+      give_up(fmt::format("step {}: {}: {}: {}", k + 1, event.what, event.who, event.why));
+    }
+  }
+  run.references.resize(run.states.size());  // an aborted run has some that nobody followed
+  thin_out(run, e.logger.every);
+  simulator::Ledger ledger = simulator::ledger(plant, run.states, {});
+  run.stored = std::move(ledger.stored), run.given = std::move(ledger.work);
+  return run;
+}
+
+}  // namespace lab::solo
