@@ -90,6 +90,7 @@ inline Gl<PFNGLTEXIMAGE2DPROC> glTexImage2D{"glTexImage2D"};
 inline Gl<PFNGLTEXPARAMETERIPROC> glTexParameteri{"glTexParameteri"};
 inline Gl<PFNGLUNIFORM1FPROC> glUniform1f{"glUniform1f"};
 inline Gl<PFNGLUNIFORM1IPROC> glUniform1i{"glUniform1i"};
+inline Gl<PFNGLUNIFORM2FVPROC> glUniform2fv{"glUniform2fv"};
 inline Gl<PFNGLUNIFORM3FVPROC> glUniform3fv{"glUniform3fv"};
 inline Gl<PFNGLUNIFORM4FVPROC> glUniform4fv{"glUniform4fv"};
 inline Gl<PFNGLUNIFORMMATRIX3FVPROC> glUniformMatrix3fv{"glUniformMatrix3fv"};
