@@ -1,7 +1,5 @@
 #include "render/context.h"
 
-#include "render/gl_entry.h"  // before osmesa.h: that brings an older header of GL
-
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GL/osmesa.h>
@@ -11,6 +9,8 @@
 #include <cstdlib>
 #include <mutex>
 #include <stdexcept>
+
+#include "render/gl_entry.h"  // before osmesa.h: that brings an older header of GL
 
 #ifdef __SANITIZE_ADDRESS__
 // OSMesa 22.3 never frees the 160 bytes that a context's surface takes, EGL keeps its driver: not our leaks,

@@ -34,6 +34,7 @@ def options():
     p.add_argument("--size", default="640x480", metavar="WxH", help="of the pictures (640x480)")
     p.add_argument("--frames", type=int, default=20, metavar="N", help="poses, drawn in three rounds each time (20)")
     p.add_argument("--rounds", type=int, default=2, metavar="N", help="of each side, in turn; the best counts (2)")
+    p.add_argument("--peers", choices=["mujoco", "none"], default="mujoco", help="whom to measure beside us (mujoco)")
     p.add_argument("--json", action="store_true", help="one JSON object instead of lines")
     o = p.parse_args()
     try:
@@ -80,7 +81,8 @@ def measure(name, urdf, o, python):
 
 def lines(result):
     ours, theirs = result["ours"], result["mujoco"]
-    for mode, times in ours["modes"].items():
+    for mode in ("draft", "live", "fine"):
+        times = ours["modes"][mode]
         peer = theirs and theirs["modes"]["aa_shadow" if mode == "fine" else "plain"]
         ratio = f"   {peer['ms'] / times['ms']:5.2f} times MuJoCo {'with AA and shadow' if mode == 'fine' else 'plain'}" if peer else ""
         yield (f"{result['robot']:16} {mode:16} {1e3 / times['ms']:7.1f} frames/s {times['ms']:7.2f} ms {times['cpu_ms']:7.2f} ms CPU "
@@ -97,8 +99,10 @@ def main():
     if not os.access(PROGRAM, os.X_OK):
         say("bench-render is not built: run scripts/lab build first")
         return 2
-    ready = subprocess.run([ROOT / "bench/peers/build", "mujoco-python"], stdout=subprocess.PIPE, text=True).stdout.split()
-    python = ready[1] if ready else None
+    python = None
+    if o.peers == "mujoco":
+        ready = subprocess.run([ROOT / "bench/peers/build", "mujoco-python"], stdout=subprocess.PIPE, text=True).stdout.split()
+        python = ready[1] if ready else None
     results = []
     for name, urdf in o.robots.items():
         if not urdf.is_file():
