@@ -85,6 +85,8 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   const controller::Config control = controller::make_config(e, model);
   check_expect(e, model);
   check_evaluation(e, model);
+  if (!e.renderer.trace.empty()) named_frame(e, "renderer.trace", e.renderer.trace, model);
+  if (!e.renderer.follow.empty()) named_frame(e, "renderer.follow", e.renderer.follow, model);
 
   std::vector<std::string> warnings = robot.warnings;
   for (int i = 0; i < model.nv; ++i)
