@@ -65,6 +65,9 @@ int Program::location(const char* uniform) const {
 
 void Program::set(const char* uniform, float value) const { glUniform1f(location(uniform), value); }
 void Program::set(const char* uniform, int value) const { glUniform1i(location(uniform), value); }
+void Program::set(const char* uniform, const std::vector<Eigen::Vector2f>& values) const {
+  glUniform2fv(location(uniform), static_cast<int>(values.size()), values.front().data());
+}
 void Program::set(const char* uniform, const Eigen::Vector3f& value) const {
   glUniform3fv(location(uniform), 1, value.data());
 }

@@ -1,14 +1,12 @@
-// OpenGL 3.3 core as used by the renderer: the entry points (exported by libOSMesa), shader programs, error
-// texts.
+// OpenGL 3.3 core as used by the renderer: the entry points, shader programs, error texts.
 #pragma once
-
-#define GL_GLEXT_PROTOTYPES
-#include <GL/gl.h>
-#include <GL/glext.h>
 
 #include <Eigen/Core>
 #include <string>
 #include <unordered_map>
+#include <vector>
+
+#include "render/gl_entry.h"
 
 namespace lab::render {
 
@@ -25,6 +23,7 @@ class Program {
   void use() const { glUseProgram(id_); }
   void set(const char* uniform, float value) const;
   void set(const char* uniform, int value) const;
+  void set(const char* uniform, const std::vector<Eigen::Vector2f>& values) const;  // an array
   void set(const char* uniform, const Eigen::Vector3f& value) const;
   void set(const char* uniform, const Eigen::Vector4f& value) const;
   void set(const char* uniform, const Eigen::Matrix3f& value) const;

@@ -46,8 +46,10 @@ Items collect(const Scene& scene, const Sight& sight, MeshStore& meshes) {
       const double distance =
           sight.depth_from_world.dot((world_from_part * part.mesh->bounds.center()).homogeneous());
       const Buffers& mesh = meshes.get(part.mesh);
+      bool open = false;
       for (size_t s = 0; s < part.mesh->surfaces.size(); ++s) {
         const Surface& surface = part.mesh->surfaces[s];
+        open |= surface.two_sided;
         const bool own = surface.coloured && !part.repaint;
         Vector4f rgba = clamped(own ? surface.rgba : part.rgba);
         rgba[3] *= std::clamp(body.opacity, 0.f, 1.f);
@@ -58,7 +60,7 @@ Items collect(const Scene& scene, const Sight& sight, MeshStore& meshes) {
                              part.scale.prod() < 0, surface.two_sided, body.annotation});
         order.push_back({distance, piece});
       }
-      if (body.casts_shadow) items.casters.push_back({&mesh, world_from_part});
+      if (body.casts_shadow) items.casters.push_back({&mesh, world_from_part, part.scale.prod() < 0, open});
     }
     items.box.extend(bounds(body));
   }

@@ -24,6 +24,7 @@ struct Item {
 struct Caster {
   const Buffers* mesh;
   Eigen::Affine3d world_from_part;
+  bool mirrored, two_sided;
 };
 
 // Translucent items that are one piece of glass.

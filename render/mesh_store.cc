@@ -1,5 +1,7 @@
 #include "render/mesh_store.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "render/gl.h"
@@ -8,7 +10,20 @@ namespace lab::render {
 namespace {
 
 constexpr size_t kFineEnough = 1500;  // triangles below which a stand-in saves nothing
-constexpr float kCellsAcross = 72;    // cells of a stand-in along its mesh's diagonal
+
+// Cells as wide as two triangles, but not so wide that they show at the edge of a shadow.
+Coarse stand_in(const Mesh& mesh) {
+  if (mesh.triangles() <= kFineEnough) return {mesh.positions, mesh.indices};
+  double area = 0;
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const Eigen::Vector3f& a = mesh.positions[mesh.indices[i]];
+    area +=
+        (mesh.positions[mesh.indices[i + 1]] - a).cross(mesh.positions[mesh.indices[i + 2]] - a).norm() / 2;
+  }
+  const double triangle = std::sqrt(area / static_cast<double>(mesh.triangles()));
+  const double cell = std::min(2.2 * triangle, mesh.bounds.diagonal().norm() / 40);
+  return coarsen(mesh, static_cast<float>(cell));
+}
 
 void fill(unsigned kind, unsigned& id, const void* data, size_t bytes) {
   glGenBuffers(1, &id);
@@ -57,9 +72,7 @@ Buffers upload(const MeshPtr& mesh) {
        b.clusters.indices.size() * sizeof(uint32_t));
   b.clusters.indices = {};
 
-  Coarse coarse{mesh->positions, mesh->indices};
-  if (mesh->triangles() > kFineEnough)
-    coarse = coarsen(*mesh, static_cast<float>(mesh->bounds.diagonal().norm()) / kCellsAcross);
+  const Coarse coarse = stand_in(*mesh);
   b.coarse_count = static_cast<int>(coarse.indices.size());
   glGenVertexArrays(1, &b.coarse_array);
   glBindVertexArray(b.coarse_array);

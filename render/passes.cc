@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "render/shaders.h"
 
@@ -25,9 +26,9 @@ void bind(unsigned unit, unsigned texture) {
   glActiveTexture(GL_TEXTURE0);
 }
 
-void set_sides(const Item& item) {
-  glFrontFace(item.mirrored ? GL_CW : GL_CCW);
-  item.two_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+void set_sides(bool mirrored, bool two_sided) {
+  glFrontFace(mirrored ? GL_CW : GL_CCW);
+  two_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
 }
 
 Matrix4d clip_from_part(const Sight& sight, const Item& item) {
@@ -42,6 +43,16 @@ Vector3f disk(const Sight& sight) {
           static_cast<float>(sight.floor_radius)};
 }
 
+// Places on a disk that cover it evenly and without a pattern.
+std::vector<Eigen::Vector2f> sunflower() {
+  std::vector<Eigen::Vector2f> places;
+  for (int i = 0; i < 16; ++i) {
+    const double r = std::sqrt((i + 0.5) / 16), turn = 2.399963 * i;  // the golden angle
+    places.push_back(Eigen::Vector2d(r * std::cos(turn), r * std::sin(turn)).cast<float>());
+  }
+  return places;
+}
+
 }  // namespace
 
 // Texture units: 0 the shadow map compared (or the samples to average), 1 a surface's texture, 2 the shadow
@@ -49,12 +60,17 @@ Vector3f disk(const Sight& sight) {
 Passes::Passes(bool shadow) : shadow_(shadow) {
   glGenVertexArrays(1, &no_array_);
   if (!shadow) return;
-  glGenSamplers(1, &as_numbers_);
-  glSamplerParameteri(as_numbers_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glSamplerParameteri(as_numbers_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glSamplerParameteri(as_numbers_, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glSamplerParameteri(as_numbers_, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  glBindSampler(2, as_numbers_);
+  glGenSamplers(2, samplers_);
+  for (unsigned sampler : samplers_) {
+    glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  }
+  glSamplerParameteri(samplers_[1], GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glSamplerParameteri(samplers_[1], GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  glBindSampler(2, samplers_[0]);
+  glBindSampler(3, samplers_[1]);
 }
 
 const Program& Passes::lazily(std::unique_ptr<Program>& program, const char* name, const char* vertex,
@@ -103,10 +119,10 @@ void Passes::shadow_map(const Sight& sight, const Items& items) {
   glClear(GL_DEPTH_BUFFER_BIT);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.5f, 4.0f);
-  glDisable(GL_CULL_FACE);
   const Program& depth = lazily(depth_, "depth", shaders::kDepthVertex, shaders::kDepthFragment);
   for (const Caster& caster : items.casters) {
     depth.set("u_clip_from_part", to_float(sight.shadow.clip_from_world * caster.world_from_part.matrix()));
+    set_sides(caster.mirrored, caster.two_sided);
     draw_coarse(*caster.mesh);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
@@ -122,6 +138,7 @@ void Passes::floor_shadow(const Sight& sight, const Scene& scene, unsigned shado
   const Program& p =
       lazily(floor_shadow_, "floor shadow", shaders::kFloorVertex, shaders::kFloorShadowFragment);
   p.set("u_shadow_depth", 2);
+  p.set("u_places", sunflower());
   p.set("u_disk", disk(sight));
   p.set("u_sun_strength", scene.light.strength);
   p.set("u_shadow_from_world", to_float(sight.shadow_from_world()));
@@ -153,7 +170,8 @@ const Program& Passes::body(const Item& item, const Sight& sight, const Light& l
   p.set("u_sun_strength", light.strength);
   if (textured) p.set("u_texture", 1);
   if (!shadow_) return p;
-  bind(0, shadow_map);
+  bind(3, shadow_map);
+  p.set("u_shadow_map", 3);
   p.set("u_shadow_from_world", to_float(sight.shadow_from_world()));
   p.set("u_shadow_radius", kShadowBlur);
   p.set("u_shadow_lift", static_cast<float>((kShadowBlur + 1.5 / kShadowSide) * sight.shadow.side));
@@ -181,7 +199,7 @@ void Passes::draw_items(const Sight& sight, const Light& light, const std::vecto
       p->set("u_world_from_part", to_float(item->world_from_part.matrix()));
       const Eigen::Matrix3d normals = item->world_from_part.linear().inverse().transpose();
       p->set("u_normal_from_part", Eigen::Matrix3f(normals.cast<float>()));
-      set_sides(*item);
+      set_sides(item->mirrored, item->two_sided);
       draw_surface(*item->mesh, item->surface, item->viewer);
     }
   }
@@ -196,6 +214,9 @@ void Passes::solid(const Sight& sight, const Light& light, const Items& items, u
 void Passes::glass(const Sight& sight, const Light& light, const Glass& piece, unsigned shadow_map) {
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  // Where a ghost stands in the solid robot (its base, as a rule) the robot must win, not flicker.
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(2.f, 200.f);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   draw_items(sight, light, piece, shadow_map);  // the same programs: exactly the same depths
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -204,6 +225,7 @@ void Passes::glass(const Sight& sight, const Light& light, const Glass& piece, u
   draw_items(sight, light, piece, shadow_map);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LEQUAL);
+  glDisable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_BLEND);
 }
 
@@ -234,7 +256,7 @@ void Passes::measure(const Sight& sight, const Ground& ground, const Items& item
     const Eigen::Vector4d depth = item.world_from_part.matrix().transpose() * sight.depth_from_world;
     p.set("u_depth_from_part", Vector4f(depth.cast<float>()));
     p.set("u_id", static_cast<float>(item.id));
-    set_sides(item);
+    set_sides(item.mirrored, item.two_sided);
     draw_surface(*item.mesh, item.surface, item.viewer);
   }
 }

@@ -46,8 +46,8 @@ class Passes {
   std::unique_ptr<Program> bodies_[4];  // by textured + 2 * coloured
   std::unique_ptr<Program> sky_, floor_, floor_depth_, floor_shadow_, depth_, average_, measure_,
       floor_measure_;
-  unsigned no_array_ = 0;    // core profile wants one bound even when no vertex is read
-  unsigned as_numbers_ = 0;  // sampler that reads the shadow map without comparing
+  unsigned no_array_ = 0;      // core profile wants one bound even when no vertex is read
+  unsigned samplers_[2] = {};  // for the shadow map: read as numbers; compared without smoothing
 };
 
 }  // namespace lab::render

@@ -109,6 +109,7 @@ void main() {
   vec3 glance = mix(below, above, clamp(0.5 + mirrored, 0.0, 1.0)) * (0.05 + 0.45 * rim * rim * (1.0 - u_gloss.x));
   vec3 light = sky + fill * vec3(0.062, 0.064, 0.070) + sun * vec3(0.80, 0.775, 0.73);
   vec3 lit = base.rgb * light + (sun * glint) * vec3(1.0, 0.97, 0.92) + glance;
+  lit *= 1.0 - 0.16 * min(lit, 2.0);  // a shoulder: white surfaces in the sun keep their form
   colour = vec4(sqrt(min(lit, 1.0)), 1.0) * base.a;
 }
 )";
@@ -175,13 +176,13 @@ vec2 lines(vec2 place, vec2 per_pixel, float width) {
 void main() {
   vec2 place = v_floor / u_spacing;
   vec2 d = fwidth(place);
-  vec2 fine = lines(place * 5.0, d * 5.0, 1.0), coarse = lines(place, d, 1.2);
+  vec2 fine = lines(place * 5.0, d * 5.0, 1.0), coarse = lines(place, d, 1.0);
   vec3 c = vec3(0.607, 0.622, 0.640);
   c = mix(c, vec3(0.43, 0.445, 0.465), 0.55 * max(fine.x, fine.y));
-  c = mix(c, vec3(0.155, 0.165, 0.18), 0.80 * max(coarse.x, coarse.y));
+  c = mix(c, vec3(0.155, 0.165, 0.18), 0.75 * max(coarse.x, coarse.y));
   // The world's axes: +x red, +y green.
   vec2 off = abs(place) / d;
-  vec2 axis = clamp(vec2(1.3) - off.yx, 0.0, 1.0) * step(vec2(0.0), place);
+  vec2 axis = clamp(vec2(1.1) - off.yx, 0.0, 1.0) * step(vec2(0.0), place);
   c = mix(c, vec3(0.62, 0.045, 0.03), 0.9 * axis.x);
   c = mix(c, vec3(0.035, 0.32, 0.05), 0.9 * axis.y);
   colour = vec4(sqrt(c), fade(v_floor));
@@ -206,22 +207,18 @@ uniform mat4 u_shadow_from_world;
 uniform sampler2DShadow u_shadow_map;
 uniform sampler2D u_shadow_depth;  // the same map, read as numbers
 uniform vec3 u_penumbra;           // least and largest radius of the blur, growth per difference of depth
+uniform vec2 u_places[16];         // on a disk of radius 1
 uniform float u_height, u_sun_strength;
 in vec2 v_floor;
 out vec4 colour;
-
-// The i-th of n places on a sunflower disk of radius 1: even cover without a pattern.
-vec2 place(int i, float n) {
-  float turn = 2.399963 * float(i);
-  return sqrt((float(i) + 0.5) / n) * vec2(cos(turn), sin(turn));
-}
 
 void main() {
   vec3 p = (u_shadow_from_world * vec4(v_floor, u_height, 1.0)).xyz;
   // The higher what casts the shadow, the softer its edge: the sun is no point.
   float blockers = 0.0, depth = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    float z = texture(u_shadow_depth, p.xy + u_penumbra.y * place(i, 8.0)).r;
+  for (int i = -1; i < 16; i += 2) {  // the middle first: a thin thing may lie there alone
+    vec2 off = i < 0 ? vec2(0.0) : u_penumbra.y * u_places[i];
+    float z = texture(u_shadow_depth, p.xy + off).r;
     float blocks = step(z, p.z - 0.0005);
     blockers += blocks;
     depth += blocks * z;
@@ -229,7 +226,7 @@ void main() {
   if (blockers == 0.0) discard;
   float radius = clamp((p.z - depth / blockers) * u_penumbra.z, u_penumbra.x, u_penumbra.y);
   float sum = 0.0;
-  for (int i = 0; i < 16; ++i) sum += texture(u_shadow_map, vec3(p.xy + radius * place(i, 16.0), p.z));
+  for (int i = 0; i < 16; ++i) sum += texture(u_shadow_map, vec3(p.xy + radius * u_places[i], p.z));
   vec3 dark = mix(vec3(0.23, 0.24, 0.26), vec3(1.0), mix(1.0, sum / 16.0, min(u_sun_strength, 1.0)));
   colour = vec4(mix(vec3(1.0), sqrt(dark), fade(v_floor)), 1.0);  // multiplies what is there
 }

@@ -183,6 +183,7 @@ int render_log(const FromLog& job) {
     extras.pushes.push_back({push.time, push.time + push.duration, push.frame, {push.force[0], push.force[1], push.force[2]}});
   Stage stage(robot, experiment, std::move(extras));
   for (const auto& warning : stage.warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
+  if (job.strict && !stage.warnings().empty()) throw ExperimentError("--strict: the robot is not whole, so nothing is drawn");
   for (const Moment& moment : moments_of(read, samples)) stage.remember(moment);
   stage.frame_all();
 

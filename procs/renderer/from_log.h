@@ -26,7 +26,8 @@ struct FromLog {
   bool reference = false;
   std::string trace_by = "time";
   std::vector<std::string> arrows;
-  int workers = 0;  ///< 0: as many as suit
+  int workers = 0;      ///< 0: as many as suit
+  bool strict = false;  ///< a mesh or texture that cannot be had is an error
 };
 
 /// Draws them and says what it wrote. Returns an exit code; throws with one clear line.

@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
   add(app.add_option("--arrows", job.arrows, "velocity, force, com and frames, separated by commas"))
       ->delimiter(',')
       ->check(CLI::IsMember({"velocity", "force", "com", "frames"}));
+  add(app.add_flag("--strict", job.strict, "no pictures if a mesh or texture is missing or broken"));
   add(app.add_option("-j,--jobs", job.workers, "processes that draw at once"))->check(CLI::Range(1, 64));
   auto* folder = add(app.add_option("-o,--output", job.folder, "folder for the pictures"));
   try {

@@ -48,7 +48,7 @@ Stage::Stage(const Robot& robot, const Experiment& e, Extras extras)
       duration_(static_cast<double>(e.last_step()) * e.simulator.dt),
       model_(robot.model),
       data_(model_),
-      robot_(make_bodies(robot, links_, warnings_)),
+      robot_(make_bodies(robot, e.renderer.quality, links_, warnings_)),
       traced_(settings_.trace.empty() ? 0 : named_frame(e, "renderer.trace", settings_.trace, model_)),
       followed_(settings_.follow.empty() ? 0 : named_frame(e, "renderer.follow", settings_.follow, model_)) {
   const std::vector<Eigen::VectorXd> plan = planned_poses(e, model_, kPlanned);
