@@ -97,8 +97,11 @@ void read(const YAML::Node& node, const Key& key, std::optional<T>& value) {
   read(node, key, value.emplace());
 }
 
-void read(const YAML::Node& node, const Key& key, std::vector<double>& value) {
-  if (!node.IsSequence() || node.size() == 0) throw Fault{"must be a list of numbers, not " + (node.IsSequence() ? "empty" : show(node))};
+/// A list of numbers or names; `what` they are.
+template <class T>
+void read_list(const YAML::Node& node, const Key& key, const std::string& what, std::vector<T>& value) {
+  if (!node.IsSequence() || node.size() == 0)
+    throw Fault{"must be a list of " + what + ", not " + (node.IsSequence() ? "empty" : show(node))};
   for (const YAML::Node& item : node) {
     try {
       read(item, key, value.emplace_back());
@@ -108,17 +111,32 @@ void read(const YAML::Node& node, const Key& key, std::vector<double>& value) {
   }
 }
 
-void read(const YAML::Node& node, const Key& key, std::map<std::string, double>& value) {
-  if (!node.IsMap()) throw Fault{"must be a map joint: number, not " + show(node)};
+void read(const YAML::Node& node, const Key& key, std::vector<double>& value) { read_list(node, key, "numbers", value); }
+
+void read(const YAML::Node& node, const Key& key, std::vector<std::string>& value) { read_list(node, key, "names", value); }
+
+/// A map from names to numbers or lists of numbers; `what`: "joint: number".
+template <class T>
+void read_named(const YAML::Node& node, const Key& key, const std::string& what, std::map<std::string, T>& value) {
+  if (!node.IsMap()) throw Fault{"must be a map " + what + ", not " + show(node)};
   for (const auto& item : node) {
-    const std::string joint = item.first.as<std::string>("");
+    const std::string name = item.first.as<std::string>("");
     try {
-      if (!value.emplace(joint, bounded(to_number(item.second), key)).second) throw Fault{"is given twice"};
+      if (value.contains(name)) throw Fault{"is given twice"};
+      read(item.second, key, value[name]);
     } catch (const Fault& fault) {
-      throw Fault{fault.message, "." + joint};
+      throw Fault{fault.message, "." + name};
     }
   }
-  if (value.empty()) throw Fault{"is an empty map; name at least one joint"};
+  if (value.empty()) throw Fault{"is an empty map; name at least one " + what.substr(0, what.find(':'))};
+}
+
+void read(const YAML::Node& node, const Key& key, std::map<std::string, double>& value) {
+  read_named(node, key, "joint: number", value);
+}
+
+void read(const YAML::Node& node, const Key& key, std::map<std::string, std::array<double, 3>>& value) {
+  read_named(node, key, "body: [x, y, z]", value);
 }
 
 void read(const YAML::Node& node, const Key& key, JointValues& value) {

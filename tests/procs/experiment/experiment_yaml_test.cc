@@ -243,6 +243,12 @@ class Randomizer {
   void operator()(const Key& key, std::map<std::string, double>& x) {
     if (random_() % 2) x = {{"finger", within(key)}, {"3", 0.25}};
   }
+  void operator()(const Key& key, std::map<std::string, std::array<double, 3>>& x) {
+    if (random_() % 2) x = {{"tool", {within(key), 0, -0.1}}, {"3", {0.25, 0, within(key)}}};
+  }
+  void operator()(const Key&, std::vector<std::string>& x) {
+    if (random_() % 2) x = {"tool", "left arm: 1", "3"};
+  }
   void operator()(const Key& key, std::map<std::string, Bound>& x) {
     x = {{"max_error", {.min = {}, .max = 0.1}}, {"final_error.elbow", {.min = within(key), .max = {}}}};
   }

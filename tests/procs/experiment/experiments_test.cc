@@ -3,8 +3,10 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "procs/experiment/check.h"
 #include "procs/experiment/experiment_yaml.h"
@@ -79,6 +81,29 @@ TEST(Experiments, DisturbancesThatAreNotAsWrittenAreTold) {
   EXPECT_EQ(warnings("simulator.payloads=[{time: 3.999, frame: effector_body, mass: 1}]"), "");
   EXPECT_EQ(warnings("simulator.limit_repulsion.stiffness=1000"), "");
   EXPECT_NE(warnings("simulator.limit_repulsion.stiffness=1e6").find("simulator.limit_repulsion.stiffness: warning: the soft stops are at"), std::string::npos);
+}
+
+// .. but only if it knows it: masses wrong by half cost a factor of hundreds, a PD with gravity's compensation about five
+TEST(Experiments, MassesWrongByHalfAreAnotherController) {
+  const auto error = [](const std::vector<std::string>& set) {
+    return outcome("wrong_masses.yaml", set)["max_error"].get<double>();
+  };
+  const std::string right = "controller.model.mass_scale=1", gravity = "controller.kind=pd_gravity";
+  const double ct = error({}) / error({right}), pd = error({gravity}) / error({gravity, right});
+  EXPECT_GT(ct, 300);
+  EXPECT_LT(ct, 600);
+  EXPECT_GT(pd, 4);
+  EXPECT_LT(pd, 8);
+  EXPECT_EQ(error({right}), outcome("sinusoid_ct.yaml")["max_error"].get<double>());  // the same path and gains
+}
+
+TEST(Experiments, DocumentListsEveryController) {
+  std::stringstream page;
+  page << std::ifstream(LAB_SOURCE_DIR "/docs/experiments.md").rdbuf();
+  std::string table = "| kind | effort |\n|---|---|\n";
+  for (const controller::Kind& kind : controller::kinds())
+    table += "| `" + std::string(kind.name) + "` | " + kind.what + " |\n";
+  EXPECT_NE(page.str().find(table + "\n"), std::string::npos) << "docs/experiments.md should have\n" << table;
 }
 
 // why the handbook's arm has armature here
