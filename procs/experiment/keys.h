@@ -169,7 +169,7 @@ void for_each_key(E& e, F&& f) {
   f(K{"controller.every", "steps", "1", "steps from one command to the next; it is held between", 1, 128},
     e.controller.every);
   f(K{"controller.limit_effort", "", "false",
-      "`true`: the controller itself cuts its command at the joints' effort limits, and says so in an event"},
+      "`true`: the controller itself cuts its command at the joints' effort limits; an event `effort_limited` says so when it begins"},
     e.controller.limit_effort);
   f(K{"controller.model.mass_scale", "", "1", "model error: the controller believes in every mass times this",
       kTiny, 1e6},

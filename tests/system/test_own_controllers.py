@@ -35,9 +35,10 @@ def test_a_python_controller_differs_in_nothing_but_tau_and_what_follows(tmp_pat
     types = lab.generated_types(tmp_path / "types")
     file = experiment(tmp_path, "sinusoid, amplitude: 0.4")
     lab.solo(file, tmp_path / "ours")
-    mine = f"env PYTHONPATH={tmp_path}/types {python} {lab.ROOT}/examples/controller.py 100 20"
-    done = lab.run(file, tmp_path / "mine", "--set", f"processes.controller={mine}", *PATIENT)
-    assert done.returncode == 0, done.stderr
+    mine = f"env PYTHONPATH={tmp_path}/types {python} {lab.ROOT}/examples/controller.py 100 "
+    for name, kd in (("mine", "20"), ("harder", "21")):
+        done = lab.run(file, tmp_path / name, "--set", f"processes.controller={mine}{kd}", *PATIENT)
+        assert done.returncode == 0, done.stderr
 
     kinds = {"RUN": types.run_t, "TYPE": types.type_t, "ROBOT_STATE": types.robot_state_t, "REFERENCE": types.reference_t,
              "COMMAND": types.command_t, "END": types.end_t}
@@ -60,10 +61,11 @@ def test_a_python_controller_differs_in_nothing_but_tau_and_what_follows(tmp_pat
                          ("ROBOT_STATE", "digest"), ("END", "digest")}, differing
     if differing:
         assert first == {("COMMAND", "tau")}, first
-        # a rounding of tau (tens of Nm) is 1e-15 and more; the stable loop forgets it, with gains of 100
-        assert largest < 1e-10, largest
-    metrics = [json.loads((tmp_path / name / "metrics.json").read_text()) for name in ("ours", "mine")]
-    assert metrics[1]["complete"] and abs(metrics[0]["rms_error"] - metrics[1]["rms_error"]) < 1e-12
+        # a rounding of tau (tens of Nm) is some 1e-15, and the stable loop forgets it
+        assert largest < 1e-12, largest
+    ours, mine, harder = (json.loads((tmp_path / name / "metrics.json").read_text()) for name in ("ours", "mine", "harder"))
+    assert mine["complete"] and abs(ours["rms_error"] - mine["rms_error"]) < 1e-13
+    assert abs(ours["rms_error"] - harder["rms_error"]) > 1e-6, "it was not Python's command that moved the robot"
 
 
 def test_a_cpp_controller_with_a_kind_of_its_own(tmp_path):
@@ -77,7 +79,7 @@ def test_a_cpp_controller_with_a_kind_of_its_own(tmp_path):
         return json.loads((tmp_path / name / "metrics.json").read_text())["final_error"]
     sag = error("pd", experiment(tmp_path, "hold"))
     pid = error("pid", experiment(tmp_path, "hold", "pid"), "--set", f"processes.controller={own}")
-    assert sag > 0.05 and pid < 1e-3 * sag, (sag, pid)
+    assert sag > 0.04 and pid < 1e-3 * sag, (sag, pid)
     # without the process that knows it, the kind is unknown
     done = lab.run(experiment(tmp_path, "hold", "pid"), tmp_path / "none")
     assert done.returncode == 3 and "controller.kind: 'pid' is not known; use one of none, pd, " in done.stderr
