@@ -61,7 +61,8 @@ struct State {
   rbd::Data data;            ///< scratch from here on
   Eigen::VectorXd e, e_dot, a, posture;
   rbd::Matrix6Xd jacobian;
-  Eigen::MatrixXd com_jacobian, minv, minv_jt;
+  Eigen::Matrix3Xd com_jacobian;
+  Eigen::MatrixXd minv, minv_jt;
 };
 
 inline State initial(const Config& config) { return State(config); }

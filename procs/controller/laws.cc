@@ -116,7 +116,7 @@ void com_velocity(const Config& c, State& s, const Input& in, Eigen::VectorXd& t
   const Eigen::Vector3d missing =
       com_speed_ref + s.gains.com_gain * (com_ref - s.data.com[0]) - s.com_jacobian * s.posture;
   const Small square = s.com_jacobian * s.com_jacobian.transpose();  // J^+ = J^T (J J^T)^+
-  s.posture += s.com_jacobian.transpose() * solve(square, missing, kOutOfReach);
+  s.posture.noalias() += s.com_jacobian.transpose() * solve(square, missing, kOutOfReach);
   s.a = in.reference.a + s.gains.kd.cwiseProduct(s.posture - in.state.v);
   rbd::rnea(c.model, s.data, in.state.q, in.state.v, s.a, tau);
 }
