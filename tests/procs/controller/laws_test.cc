@@ -112,7 +112,7 @@ rbd::Vector6d displacement(const Experiment& e, const rbd::Model& model, const E
   const Reference r{.step = 0, .q = q0, .v = Eigen::VectorXd::Zero(6), .a = Eigen::VectorXd::Zero(6)};
   Action push{"push", kTool, "", "", {}};
   push.values.assign(wrench.begin(), wrench.end());
-  push.values.push_back(1e4);  // s: for ever
+  push.values.push_back(60);  // s: longer than the run
   const std::vector<Action> once{push};
   for (int k = 0; k < 20000; ++k) {
     const Command command = step(config, state, {.state = body.robot, .reference = r}).command;

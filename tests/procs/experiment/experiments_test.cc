@@ -1,5 +1,6 @@
 // Every experiment of experiments/, run without processes: it must be accepted and meet what it expects.
 #include <gtest/gtest.h>
+#include <rbd/rbd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -95,6 +96,22 @@ TEST(Experiments, MassesWrongByHalfAreAnotherController) {
   EXPECT_GT(pd, 4);
   EXPECT_LT(pd, 8);
   EXPECT_EQ(error({right}), outcome("sinusoid_ct.yaml")["max_error"].get<double>());  // the same path and gains
+}
+
+// the tool ends 20 N / 1000 N/m below where it was, not turned; after 3 s the slowest spring and damper (40 / 10 per s) has
+// left exp(-12) of the way
+TEST(Experiments, TheHeldToolGivesWayByForceOverStiffness) {
+  const Experiment e = load_experiment(kFolder + "impedance.yaml");
+  const Robot robot = load_robot(e);
+  const auto run = test::run_loop(e, robot.model).run;
+  const auto tool = [&](const RobotState& state) {
+    rbd::Data data(robot.model);
+    rbd::forwardKinematics(robot.model, data, state.q);
+    return data.oMf[robot.model.frameId("arm_tool_link")];
+  };
+  const rbd::SE3 first = tool(run.states.front()), last = tool(run.states.back());
+  EXPECT_LT((last.translation() - first.translation() - Eigen::Vector3d(0, 0, -0.02)).norm(), 1e-6);
+  EXPECT_LT((last.rotation() - first.rotation()).norm(), 1e-5);
 }
 
 TEST(Experiments, DocumentListsEveryController) {
