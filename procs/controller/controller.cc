@@ -3,6 +3,8 @@
 #include <rbd/algorithm/configuration.h>
 
 #include <algorithm>
+#include <exception>
+#include <limits>
 
 #include "procs/controller/own_model.h"
 #include "procs/experiment/actions.h"
@@ -89,7 +91,11 @@ Output step(const Config& config, State& state, const Input& input) {
   state.e_dot = input.reference.v - input.state.v;
   Eigen::VectorXd& tau = output.command.tau;
   tau.resize(config.model.nv);
-  config.kind->law(config, state, input, tau);
+  try {
+    config.kind->law(config, state, input, tau);
+  } catch (const std::exception&) {  // numbers too large for the dynamics: who sends commands refuses what is not finite
+    tau.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
   for (const rbd::JointModel& joint : config.model.joints)
     if (joint.nv() > 1) tau.segment(joint.idx_v(), joint.nv()).setZero();
   if (config.limit_effort) limit(config.model, state, tau, output.events);

@@ -100,6 +100,12 @@ TEST(Controller, ComputedTorqueErrorsDieAsTheFormulaSays) {
   }
 }
 
+// the core refuses numbers that overflow by an exception; a step never throws, and what is not finite is never sent
+TEST(Controller, NumbersTooLargeGiveNoFiniteEffort) {
+  const rbd::Model model = arm();
+  EXPECT_FALSE(tau_of(with("computed_torque", 1.7e308, 20), model, somewhere(6), elsewhere(6)).allFinite());
+}
+
 TEST(Controller, PlainPdSagsByGravityOverKp) {
   const rbd::Model model = arm();
   Experiment e = with("pd", 200, 60);
