@@ -30,7 +30,7 @@ class Document {
     try {
       root_ = YAML::Load(text);
     } catch (const YAML::ParserException& e) {
-      throw ExperimentError(at_line(e.mark) + ": not YAML: " + e.msg);
+      throw ExperimentError(not_yaml(text, e));
     }
     if (root_.IsNull()) root_ = YAML::Node(YAML::NodeType::Map);
     if (!root_.IsMap())
@@ -45,6 +45,17 @@ class Document {
 
  private:
   std::string at_line(const YAML::Mark& mark) const { return file_ + ":" + std::to_string(mark.line + 1); }
+
+  /// Where the text stops being YAML; tabs and indentation are what usually is wrong.
+  std::string not_yaml(const std::string& text, const YAML::ParserException& e) const {
+    std::stringstream lines(text);
+    std::string line;
+    for (int n = 0; n <= e.mark.line && std::getline(lines, line); ++n)
+      if (line.substr(0, line.find_first_not_of(" \t")).find('\t') != std::string::npos)
+        return file_ + ":" + std::to_string(n + 1) + ": not YAML: begins with a tab; indent with spaces";
+    const bool map = e.msg.find("map value") != std::string::npos;
+    return at_line(e.mark) + ": not YAML: " + e.msg + (map ? "; is it indented like the lines around it?" : "");
+  }
 
   void override_with(const Override& one) {
     const std::string& text = one.text;
@@ -122,11 +133,22 @@ class Document {
   }
 
   void unknown(const YAML::Node& node, const std::string& path, const std::string& place) {
-    if (node.IsMap() && node.size() > 0) {  // a misspelt section: show what stands in it, for a better guess
+    if (node.IsMap() && node.size() > 0) {  // a misspelt section; if it is like none, what stands in it gives a better guess
+      if (const std::string near = did_you_mean(path, sections()); !near.empty()) {
+        faults.push_back(place + ": unknown section '" + path + "'" + near);
+        return;
+      }
       for (const auto& item : node) unknown(item.second, path + "." + item.first.as<std::string>("?"), place);
       return;
     }
     faults.push_back(place + ": unknown key '" + path + "'" + did_you_mean(path, keys_));
+  }
+
+  std::vector<std::string> sections() const {
+    std::set<std::string> all;
+    for (const std::string& key : keys_)
+      for (size_t dot = key.find('.'); dot != std::string::npos; dot = key.find('.', dot + 1)) all.insert(key.substr(0, dot));
+    return {all.begin(), all.end()};
   }
 
   bool is_section(const std::string& path) const {

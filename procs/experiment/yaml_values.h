@@ -141,10 +141,8 @@ inline void read(const YAML::Node& node, const Key& key, JointValues& value) {
   if (node.IsMap()) {
     read(node, key, value.value.emplace<JointValues::Named>());
   } else if (node.IsSequence()) {
-    std::vector<double> list;
-    for (const YAML::Node& item : node) list.push_back(bounded(to_number(item), key));
-    if (list.empty()) throw Fault{"is an empty list; give one number per joint, or one for all"};
-    value.value = std::move(list);
+    if (node.size() == 0) throw Fault{"is an empty list; give one number per joint, or one for all"};
+    read(node, key, value.value.emplace<std::vector<double>>());
   } else {
     value.value = bounded(to_number(node, "a number, a list of numbers or a map joint: number"), key);
   }

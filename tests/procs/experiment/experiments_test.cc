@@ -1,4 +1,5 @@
-// Every experiment of experiments/, run without processes: it must be accepted and meet what it expects.
+// Every experiment of experiments/, run without processes: it must be accepted, meet what it expects, and give the figures
+// that the catalogue in docs/experiments.md says it gives.
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
@@ -7,16 +8,32 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "procs/experiment/check.h"
 #include "procs/experiment/experiment_yaml.h"
+#include "procs/experiment/metrics.h"
 #include "tests/procs/experiment/loop.h"
 
 namespace lab {
 namespace {
 
 const std::string kFolder = LAB_SOURCE_DIR "/experiments/";
+
+std::string page() {
+  std::stringstream text;
+  text << std::ifstream(LAB_SOURCE_DIR "/docs/experiments.md").rdbuf();
+  return text.str();
+}
+
+/// The row of the catalogue that begins with a picture of this experiment; empty if there is none.
+std::string catalogue_row(const std::string& name) {
+  const std::string text = page();
+  const size_t at = text.find("\n| ![](pictures/catalogue/" + name + ".png) | [" + name + "](../experiments/" + name + ".yaml)<br>");
+  return at == std::string::npos ? "" : text.substr(at + 1, text.find('\n', at + 1) - at - 1);
+}
 
 nlohmann::json outcome(const std::string& name, const std::vector<std::string>& set = {}) {
   const Experiment e = load_experiment(kFolder + name, set);
@@ -40,6 +57,16 @@ TEST_P(Experiments, MeetsItsExpectations) {
   const nlohmann::json result = outcome(GetParam());
   EXPECT_FALSE(e.expect.empty());
   EXPECT_TRUE(result["passed"]) << result.dump(1);
+  const std::string row = catalogue_row(e.name);
+  const std::regex figure("`([a-z_]+(?:\\.[A-Za-z0-9_]+)?)` (-?[0-9.]+(?:e-?[0-9]+)?)");
+  int figures = 0;
+  for (std::sregex_iterator it(row.begin(), row.end(), figure), none; it != none; ++it, ++figures) {
+    const nlohmann::json value = value_of(result, (*it)[1]);
+    ASSERT_TRUE(value.is_number()) << it->str();
+    const double written = std::stod((*it)[2]);
+    EXPECT_NEAR(value.get<double>(), written, 0.01 * std::abs(written)) << it->str() << ", in docs/experiments.md";
+  }
+  EXPECT_GT(figures, 0) << "docs/experiments.md: no row with figures of " << e.name << ", but '" << row << "'";
   if (std::getenv("LAB_VERBOSE")) std::cout << GetParam() << result.dump(1) << "\n";
 }
 
@@ -66,6 +93,18 @@ TEST(Experiments, ComputedTorqueTracksTenTimesBetterThanPd) {
     EXPECT_EQ(e.controller.kp, f.controller.kp);
     EXPECT_EQ(e.controller.kd, f.controller.kd);
   }
+}
+
+// every file of the catalogue exists, and every file is in it (those of the lockstep have figures besides, see above)
+TEST(Experiments, TheCatalogueListsAllOfThemAndNothingElse) {
+  std::set<std::string> files, listed;
+  for (const char* folder : {"", "sweeps/"})
+    for (const auto& entry : std::filesystem::directory_iterator(kFolder + folder))
+      if (entry.is_regular_file()) files.insert(folder + entry.path().filename().string());
+  const std::string text = page(), catalogue = text.substr(text.find("\n## Catalogue\n"));
+  const std::regex link(R"(\[([a-z0-9_]+)\]\(\.\./experiments/([a-z0-9_/]+\.yaml)\))");
+  for (std::sregex_iterator it(catalogue.begin(), catalogue.end(), link), none; it != none; ++it) listed.insert((*it)[2]);
+  EXPECT_EQ(files, listed);
 }
 
 TEST(Experiments, DisturbancesThatAreNotAsWrittenAreTold) {
@@ -115,12 +154,10 @@ TEST(Experiments, TheHeldToolGivesWayByForceOverStiffness) {
 }
 
 TEST(Experiments, DocumentListsEveryController) {
-  std::stringstream page;
-  page << std::ifstream(LAB_SOURCE_DIR "/docs/experiments.md").rdbuf();
   std::string table = "| kind | effort |\n|---|---|\n";
   for (const controller::Kind& kind : controller::kinds())
     table += "| `" + std::string(kind.name) + "` | " + kind.what + " |\n";
-  EXPECT_NE(page.str().find(table + "\n"), std::string::npos) << "docs/experiments.md should have\n" << table;
+  EXPECT_NE(page().find(table + "\n"), std::string::npos) << "docs/experiments.md should have\n" << table;
 }
 
 // why the handbook's arm has armature here
