@@ -1,18 +1,32 @@
 #!/usr/bin/env python3
 """A controller of one's own, in Python: PD towards the reference, in lockstep and in real time.
 
-It needs the package `lcm` (PyPI) and the messages as Python: lcm-gen -p --ppath types lcmtypes/*.lcm
-One line of a Procfile puts it in the controller's place:
+It needs the package `lcm` (PyPI) and the messages as Python:
 
-    controller: PYTHONPATH=types python3 examples/controller.py
+    lcm-gen -p --ppath types lcmtypes/*.lcm
+
+One line puts it in the controller's place, in an experiment or a Procfile; the numbers are kp and kd:
+
+    processes: {controller: "env PYTHONPATH=types python3 examples/controller.py 100 20"}
+
+What a controller must do (docs/extend.md): take RUN; say PROCESS some ten times a second, with the launch's nonce; and
+answer every ROBOT_STATE, once it has the REFERENCE of the same step, with the COMMAND for it - the same bytes again when
+the state comes again. The law is `effort`; the rest can stay as it is.
 """
 import os
+import sys
 import time
 
 import lcm
 from lab import command_t, need_t, process_t, reference_t, robot_state_t, run_t
 
-KP, KD = 100.0, 20.0
+KP, KD = map(float, sys.argv[1:3]) if len(sys.argv) > 2 else (100.0, 20.0)
+
+
+def effort(state, reference):
+    """tau = kp e + kd e', one number per joint (of one degree of freedom each) in model order."""
+    return [KP * (q_ref - q) + KD * (v_ref - v)
+            for q_ref, q, v_ref, v in zip(reference.q, state.q, reference.v, state.v)]
 
 
 class Controller:
@@ -50,7 +64,7 @@ class Controller:
             command = command_t()
             command.utime, command.run, command.step = state.utime, state.run, state.step
             command.state_step, command.reference_step, command.input_seq = state.step, reference.step, state.input_seq
-            command.tau = [KP * (wq - q) + KD * (wv - v) for wq, q, wv, v in zip(reference.q, state.q, reference.v, state.v)]
+            command.tau = effort(state, reference)
             command.nv = len(command.tau)
             self.answers[state.step] = command.encode()
             self.answers.pop(state.step - 2, None)

@@ -113,13 +113,18 @@ find_runs() {
   done
 }
 
-# An experiment by file, or by its name in experiments/.
+# An experiment by file, or by its name in experiments/. Prints the file; or says which names are near, and fails.
 find_experiment() {
-  local file
+  local file names near
   for file in "$1" "$LAB_ROOT/experiments/$1" "$LAB_ROOT/experiments/$1.yaml"; do
     [ ! -f "$file" ] || { echo "$file" && return; }
   done
-  echo "$1"
+  [ ! -e "$1" ] || die 3 "$1 is no experiment file"
+  names=("$LAB_ROOT"/experiments/*.yaml)
+  names=("${names[@]##*/}")
+  file=${1##*/}
+  near=$(near_names "${file%.yaml}" "${names[@]%.yaml}")
+  die 3 "there is no experiment '$1'${near:+; near names: $near} (experiments/ has some to start from)"
 }
 
 cannot_make() { die 2 "cannot write the run folder $1 (permissions? disk full?)"; }

@@ -1,105 +1,104 @@
 #include "procs/controller/controller.h"
 
 #include <rbd/algorithm/configuration.h>
-#include <rbd/algorithm/rnea.h>
 
-#include <cmath>
+#include <algorithm>
+#include <exception>
+#include <limits>
 
+#include "procs/controller/own_model.h"
 #include "procs/experiment/actions.h"
 #include "procs/experiment/joints.h"
 
 namespace lab::controller {
 namespace {
 
-// tau = 0
-void none(const Config&, State&, const Input&, Eigen::VectorXd& tau) { tau.setZero(); }
-
-// tau = Kp e + Kd e'
-void pd(const Config&, State& s, const Input&, Eigen::VectorXd& tau) {
-  tau = s.kp.cwiseProduct(s.e) + s.kd.cwiseProduct(s.e_dot);
-}
-
-// tau = Kp e + Kd e' + g(q)
-void pd_gravity(const Config& c, State& s, const Input& in, Eigen::VectorXd& tau) {
-  tau = s.kp.cwiseProduct(s.e) + s.kd.cwiseProduct(s.e_dot) +
-        rbd::computeGeneralizedGravity(c.model, s.data, in.state.q);
-}
-
-// tau = M(q) (a_ref + Kp e + Kd e') + nle(q, v), so that e'' + Kd e' + Kp e = 0
-void computed_torque(const Config& c, State& s, const Input& in, Eigen::VectorXd& tau) {
-  s.a = in.reference.a + s.kp.cwiseProduct(s.e) + s.kd.cwiseProduct(s.e_dot);
-  rbd::rnea(c.model, s.data, in.state.q, in.state.v, s.a, tau);
-}
-
-constexpr Kind kKinds[] = {
-    {"none", "tau = 0", none, false},
-    {"pd", "tau = kp e + kd e'", pd, false},
-    {"pd_gravity", "tau = kp e + kd e' + g(q)", pd_gravity, false},
-    {"computed_torque", "tau = M(q) (a_ref + kp e + kd e') + nle(q, v)", computed_torque, true},
-};
-
-const Kind& find_kind(const Experiment& e) {
+const Kind& find_kind(const Experiment& e, std::span<const Kind> more) {
   std::vector<std::string> names;
-  for (const Kind& kind : kKinds) {
-    if (e.controller.kind == kind.name) return kind;
-    names.push_back(kind.name);
-  }
+  for (const std::span<const Kind> table : {kinds(), more})
+    for (const Kind& kind : table) {
+      if (e.controller.kind == kind.name) return kind;
+      names.push_back(kind.name);
+    }
   fail(e, "controller.kind", "'" + e.controller.kind + "' is not known; use one of " + list_of(names));
 }
 
-/// Carries out `set controller kp|kd`. Returns why not, or "".
-std::string set_gain(const rbd::Model& model, State& state, const Action& action) {
+/// Carries out `set controller KEY`. Returns why not, or "".
+std::string set_gain(const rbd::Model& model, Gains& gains, const Action& action) {
   if (action.verb != "set") return "the controller has no such action";
-  if (action.key != "kp" && action.key != "kd") return "the controller can set kp and kd";
-  Eigen::VectorXd& gain = action.key == "kp" ? state.kp : state.kd;
-  size_t joints = 0;
-  for (const rbd::JointModel& joint : model.joints) joints += joint.nv() == 1;
-  const size_t given = action.values.size();
-  if (given != 1 && given != joints)
-    return "has " + std::to_string(given) + " values, needed 1 or " + std::to_string(joints);
-  for (double value : action.values)
-    if (!(value >= 0 && std::isfinite(value)))
-      return "value " + number(value) + ", must be finite and at least 0";
-  size_t i = 0;
-  for (const rbd::JointModel& joint : model.joints)
-    if (joint.nv() == 1) gain[joint.idx_v()] = action.values[given == 1 ? 0 : i++];
+  if (std::string fault = gain_fault(model, action); !fault.empty()) return fault;
+  const std::vector<double>& values = action.values;
+  if (action.key == "com_gain") {
+    gains.com_gain = values[0];
+  } else if (action.key == "stiffness" || action.key == "damping") {
+    (action.key == "stiffness" ? gains.stiffness : gains.damping) = {values[0], values[1]};
+  } else {
+    Eigen::VectorXd& gain = action.key == "kp" ? gains.kp : gains.kd;
+    size_t i = 0;
+    for (const rbd::JointModel& joint : model.joints)
+      if (joint.nv() == 1) gain[joint.idx_v()] = values[values.size() == 1 ? 0 : i++];
+  }
   return "";
+}
+
+/// Cuts tau at the effort limits.
+void limit(const rbd::Model& model, State& state, Eigen::VectorXd& tau, std::vector<Event>& events) {
+  for (int i = 0; i < model.nv; ++i) {
+    const double lower = model.lowerEffortLimit[i], upper = model.upperEffortLimit[i], wanted = tau[i];
+    tau[i] = std::clamp(wanted, lower, upper);
+    const bool cut = tau[i] != wanted;
+    if (cut && !state.limited[i])
+      events.push_back({"effort_limited", joint_at(model, i), "value " + number(wanted) + ", bound " + number(tau[i])});
+    state.limited[i] = cut;
+  }
 }
 
 }  // namespace
 
-std::span<const Kind> kinds() { return kKinds; }
-
-Config make_config(const Experiment& e, const rbd::Model& model) {
+Config make_config(const Experiment& e, const rbd::Model& model, std::span<const Kind> more) {
   Config config;
-  config.kind = &find_kind(e);
-  config.model = model;
-  if (e.controller.model.mass_scale != 1)
-    for (int j = 0; j < model.njoints; ++j)
-      config.model.setInertia(j, model.inertias[j] * e.controller.model.mass_scale);
-  config.kp = joint_vector(e, "controller.kp", e.controller.kp, model, 0);
-  config.kd = joint_vector(e, "controller.kd", e.controller.kd, model, 0);
+  config.kind = &find_kind(e, more);
+  config.model = own_model(e, model);
+  config.gains.kp = joint_vector(e, "controller.kp", e.controller.kp, model, 0);
+  config.gains.kd = joint_vector(e, "controller.kd", e.controller.kd, model, 0);
+  config.gains.stiffness = e.controller.stiffness;
+  config.gains.damping = e.controller.damping;
+  config.gains.com_gain = e.controller.com_gain;
+  config.period = e.simulator.dt * static_cast<double>(e.controller.every);
+  config.limit_effort = e.controller.limit_effort;
+  if (config.kind->prepare) config.kind->prepare(e, config);
   return config;
 }
 
-State::State(const Config& config) : kp(config.kp), kd(config.kd), data(config.model) {
-  e = e_dot = a = Eigen::VectorXd::Zero(config.model.nv);
+State::State(const Config& config) : gains(config.gains), data(config.model) {
+  const int nv = config.model.nv;
+  e = e_dot = a = posture = memory = Eigen::VectorXd::Zero(nv);
+  limited.assign(nv, false);
+  jacobian.setZero(6, nv);
+  com_jacobian.setZero(3, nv);
+  minv.setZero(nv, nv);
+  minv_jt.setZero(nv, 6);
 }
 
 Output step(const Config& config, State& state, const Input& input) {
   Output output;
   for (const Action& action : input.actions) {
     if (!is_for(action, "controller")) continue;
-    const std::string why_not = set_gain(config.model, state, action);
+    const std::string why_not = set_gain(config.model, state.gains, action);
     if (!why_not.empty()) output.events.push_back(ignored(action, "controller", why_not));
   }
   rbd::difference(config.model, input.state.q, input.reference.q, state.e);
   state.e_dot = input.reference.v - input.state.v;
   Eigen::VectorXd& tau = output.command.tau;
   tau.resize(config.model.nv);
-  config.kind->law(config, state, input, tau);
+  try {
+    config.kind->law(config, state, input, tau);
+  } catch (const std::exception&) {  // numbers too large for the dynamics: who sends commands refuses what is not finite
+    tau.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
   for (const rbd::JointModel& joint : config.model.joints)
     if (joint.nv() > 1) tau.segment(joint.idx_v(), joint.nv()).setZero();
+  if (config.limit_effort) limit(config.model, state, tau, output.events);
   return output;
 }
 

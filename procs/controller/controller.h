@@ -1,6 +1,7 @@
 #pragma once
 #include <rbd/model/data.h>
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,8 +10,8 @@
 #include "procs/signals/signals.h"
 
 /// Joint effort from what is and what is wanted: a pure function of config, state and input.
-/// A new controller is one function (or a struct with one) and one line in kinds(). It knows its own model,
-/// which may be wrong on purpose. Nothing drives a floating base: its entries are 0.
+/// A new controller is one function and one row of a table (laws.cc, or one's own: docs/extend.md). It knows its own
+/// model, which may be wrong on purpose (own_model.h). Nothing drives a floating base: its entries are 0.
 namespace lab::controller {
 
 struct Config;
@@ -19,31 +20,49 @@ struct Input;
 
 /// Writes tau (nv). `e` and `e_dot` (state) are the errors of q and v.
 using Law = void (*)(const Config&, State&, const Input&, Eigen::VectorXd& tau);
+/// Looks up what only this kind needs; throws ExperimentError.
+using Prepare = void (*)(const Experiment&, Config&);
 
 struct Kind {
   const char* name;
   const char* what;  ///< the formula
   Law law;
-  bool cancels_inertia;  ///< gains act on acceleration (1/s2, 1/s), not on effort
+  Prepare prepare = nullptr;  ///< may be null
 };
 
-/// none, pd, pd_gravity, computed_torque.
+/// none, pd, pd_gravity, computed_torque, cartesian_impedance, com_velocity.
 std::span<const Kind> kinds();
+
+/// What `set controller KEY=..` can change while it runs; procs/experiment/actions.h has their keys.
+struct Gains {
+  Eigen::VectorXd kp, kd;                   ///< nv
+  std::array<double, 2> stiffness, damping; ///< of a frame: angular, linear
+  double com_gain = 0;                      ///< 1/s
+};
 
 struct Config {
   const Kind* kind = nullptr;
-  rbd::Model model;        ///< what the controller believes
-  Eigen::VectorXd kp, kd;  ///< nv
+  rbd::Model model;  ///< what the controller believes
+  Gains gains;       ///< at first
+  double period = 0; ///< s from one command to the next
+  bool limit_effort = false;
+  rbd::FrameIndex frame = 0;  ///< the tool; cartesian_impedance
 };
 
-/// Throws ExperimentError: unknown kind, gains that do not fit the model.
-Config make_config(const Experiment&, const rbd::Model&);
+/// Throws ExperimentError: unknown kind, gains that do not fit the model, a model error that names no body.
+/// `more`: kinds of the caller's own, beside kinds(); they must outlive the config.
+Config make_config(const Experiment&, const rbd::Model&, std::span<const Kind> more = {});
 
 struct State {
   explicit State(const Config&);
-  Eigen::VectorXd kp, kd;  ///< live gains, nv
-  rbd::Data data;          ///< scratch from here on
-  Eigen::VectorXd e, e_dot, a;
+  Gains gains;               ///< live
+  std::vector<bool> limited; ///< nv: the last command was cut here
+  Eigen::VectorXd memory;    ///< nv, 0 at first: what a law keeps from step to step, such as an integral
+  rbd::Data data;            ///< scratch from here on
+  Eigen::VectorXd e, e_dot, a, posture;
+  rbd::Matrix6Xd jacobian;
+  Eigen::Matrix3Xd com_jacobian;
+  Eigen::MatrixXd minv, minv_jt;
 };
 
 inline State initial(const Config& config) { return State(config); }
@@ -59,7 +78,8 @@ struct Output {
   std::vector<Event> events;
 };
 
-/// Takes the actions (`set controller kp|kd`: one number, or one per joint), then computes the command.
+/// Takes the actions (`set controller kp|kd|..`), then computes the command. With limit_effort it is cut at the model's
+/// effort limits, with one event when that begins at a joint.
 Output step(const Config&, State&, const Input&);
 
 }  // namespace lab::controller

@@ -2,5 +2,7 @@
 #include "procs/run/shell.h"
 
 int main(int argc, char** argv) {
-  return lab::follower_main(argc, argv, lab::kController, lab::controller::make_role);
+  return lab::follower_main(argc, argv, lab::kController, [](lab::FollowerConfig config, lab::Publish publish) {
+    return lab::controller::make_role(std::move(config), std::move(publish));
+  });
 }

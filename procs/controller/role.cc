@@ -7,15 +7,15 @@
 
 namespace lab::controller {
 
-std::unique_ptr<Role> make_role(FollowerConfig follower, Publish publish) {
+std::unique_ptr<Role> make_role(FollowerConfig follower, Publish publish, std::span<const Kind> more) {
   struct Part {
     Config config;
     std::optional<State> state;
   };
   auto part = std::make_shared<Part>();
-  const BeginRun begin = [part](const run_t& message) {
+  const BeginRun begin = [part, more](const run_t& message) {
     const RunView run = open_run(message);
-    part->config = make_config(run.experiment, run.robot.model);
+    part->config = make_config(run.experiment, run.robot.model, more);
     part->state.emplace(initial(part->config));
     return setup_of(run);
   };

@@ -1,11 +1,13 @@
 #pragma once
 #include <memory>
+#include <span>
 
+#include "procs/controller/controller.h"
 #include "procs/wire/follower.h"
 
 namespace lab::controller {
 
-/// The controller's step as a participant of a lockstep run.
-std::unique_ptr<Role> make_role(FollowerConfig config, Publish publish);
+/// The controller's step as a participant of a lockstep run. `more`: kinds of the caller's own (docs/extend.md).
+std::unique_ptr<Role> make_role(FollowerConfig config, Publish publish, std::span<const Kind> more = {});
 
 }  // namespace lab::controller

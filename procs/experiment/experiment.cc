@@ -23,6 +23,9 @@ void fail(const Experiment& experiment, const std::string& key, const std::strin
       throw ExperimentError(it->second + ": " + key + ": " + message);
     if (at.find_first_of(".[") == std::string::npos) break;
   }
+  // what is missing stands nowhere; the kind that needs it does
+  if (auto it = experiment.where.find(key.substr(0, key.find('.')) + ".kind"); it != experiment.where.end())
+    throw ExperimentError(it->second + ": " + key + ": " + message);
   throw ExperimentError((experiment.file.empty() ? "experiment" : experiment.file) + ": " + key + ": " +
                         message);
 }

@@ -125,10 +125,17 @@ struct Experiment {
 
   struct Controller {
     std::string kind = "pd";
-    JointValues kp, kd;  ///< pd: Nm/rad, Nm s/rad; computed_torque: 1/s2, 1/s
-    int64_t every = 1;   ///< steps between commands
-    struct OwnModel {
-      double mass_scale = 1;  ///< what the controller believes: every mass and inertia times this
+    JointValues kp, kd;  ///< pd: Nm/rad, Nm s/rad; computed_torque: 1/s2, 1/s; com_velocity: 1/s, 1/s
+    std::string frame;   ///< the tool of cartesian_impedance
+    std::array<double, 2> stiffness{};  ///< of the tool: Nm/rad, N/m
+    std::array<double, 2> damping{};    ///< Nm s/rad, N s/m
+    double com_gain = 0;                ///< 1/s: com_velocity, on the error of the centre of mass
+    int64_t every = 1;                  ///< steps between commands
+    bool limit_effort = false;
+    struct OwnModel {  ///< what the controller believes
+      double mass_scale = 1;                                  ///< every mass and inertia times this
+      std::map<std::string, std::array<double, 3>> com_shift;  ///< body: m, in its axes
+      std::vector<std::string> without;                       ///< bodies that it does not know
       bool operator==(const OwnModel&) const = default;
     } model;
     bool operator==(const Controller&) const = default;

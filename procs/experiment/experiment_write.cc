@@ -87,6 +87,8 @@ class Writer {
   }
   std::string text(const std::map<std::string, std::string>& values) const { return map(values); }
   std::string text(const std::map<std::string, double>& values) const { return map(values); }
+  std::string text(const std::map<std::string, std::array<double, 3>>& values) const { return map(values); }
+  std::string text(const std::vector<std::string>& values) const { return values.empty() ? "" : list(values); }
   std::string text(const std::map<std::string, Bound>& values) const { return map(values); }
   std::string text(const Bound& bound) const {
     std::map<std::string, double> sides;

@@ -12,218 +12,13 @@
 #include <sstream>
 
 #include "procs/experiment/keys.h"
+#include "procs/experiment/yaml_values.h"
 
 namespace lab {
 namespace {
 
-/// Thrown while one value is read; the reader adds where it stands.
-struct Fault {
-  std::string message;
-  std::string below = "";  ///< the part of the value that is meant: ".max_error.max"
-};
-
-std::string show(const YAML::Node& node) {
-  if (node.IsNull()) return "nothing";
-  if (node.IsScalar()) return "'" + node.Scalar() + "'";
-  return node.IsMap() ? "a map" : "a list";
-}
-
-// ---- one value
-
-double to_number(const YAML::Node& node, const char* wanted = "a number") {
-  std::string text = node.IsScalar() ? node.Scalar() : "";
-  const bool quoted = node.IsScalar() && node.Tag() == "!";
-  const char* begin = text.c_str() + (text.size() > 1 && text[0] == '+' && text[1] != '-');
-  const char* end = text.c_str() + text.size();
-  double value = 0;
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (text == ".nan" || text == ".NaN" || text == ".NAN" || text.find(".inf") < 2 || text.find(".Inf") < 2 ||
-      text.find(".INF") < 2)
-    throw Fault{"must be finite, not '" + text + "'"};
-  if (text.empty() || quoted || stop != end || error == std::errc::invalid_argument)
-    throw Fault{std::string("must be ") + wanted + ", not " + show(node) + (quoted ? " in quotes" : "")};
-  if (error != std::errc() || !std::isfinite(value))
-    throw Fault{"must be a finite number, not '" + text + "'"};
-  return value;
-}
-
-double bounded(double value, const Key& key) {
-  const std::string unit = *key.unit ? std::string(" (") + key.unit + ")" : "";
-  if (value < key.least)
-    throw Fault{number(value) + " is too small; give at least " + number(key.least) + unit};
-  if (value > key.most) throw Fault{number(value) + " is too large; give at most " + number(key.most) + unit};
-  return value;
-}
-
-void read(const YAML::Node& node, const Key& key, double& value) { value = bounded(to_number(node), key); }
-
-void read(const YAML::Node& node, const Key& key, int64_t& value) {
-  const std::string text = node.IsScalar() ? node.Scalar() : "";
-  int64_t whole = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
-  if (text.empty() || stop != text.data() + text.size() || error != std::errc())
-    throw Fault{"must be a whole number, not " + show(node)};
-  bounded(static_cast<double>(whole), key);
-  value = whole;
-}
-
-void read(const YAML::Node& node, const Key&, bool& value) {
-  if (!node.IsScalar() || (node.Scalar() != "true" && node.Scalar() != "false"))
-    throw Fault{"must be true or false, not " + show(node)};
-  value = node.Scalar() == "true";
-}
-
-void read(const YAML::Node& node, const Key& key, std::string& value) {
-  if (!node.IsScalar() || node.Scalar().empty()) throw Fault{"must be a text, not " + show(node)};
-  const std::string& text = node.Scalar();
-  for (unsigned char c : text)
-    if (c < ' ') throw Fault{"must be one line of text without control characters"};
-  const std::vector<std::string>& words = key.words;
-  if (!words.empty() && std::find(words.begin(), words.end(), text) == words.end())
-    throw Fault{"'" + text + "' is not known; use one of " + list_of(words)};
-  value = text;
-}
-
-template <class T, size_t n>
-void read(const YAML::Node& node, const Key& key, std::array<T, n>& value) {
-  if (!node.IsSequence() || node.size() != n)
-    throw Fault{"must be a list of " + std::to_string(n) + " numbers, not " +
-                (node.IsSequence() ? "of " + std::to_string(node.size()) : show(node))};
-  for (size_t i = 0; i < n; ++i) read(node[i], key, value[i]);
-}
-
-template <class T>
-void read(const YAML::Node& node, const Key& key, std::optional<T>& value) {
-  read(node, key, value.emplace());
-}
-
-void read(const YAML::Node& node, const Key& key, std::vector<double>& value) {
-  if (!node.IsSequence() || node.size() == 0) throw Fault{"must be a list of numbers, not " + (node.IsSequence() ? "empty" : show(node))};
-  for (const YAML::Node& item : node) {
-    try {
-      read(item, key, value.emplace_back());
-    } catch (const Fault& fault) {
-      throw Fault{fault.message, "[" + std::to_string(value.size() - 1) + "]"};
-    }
-  }
-}
-
-void read(const YAML::Node& node, const Key& key, std::map<std::string, double>& value) {
-  if (!node.IsMap()) throw Fault{"must be a map joint: number, not " + show(node)};
-  for (const auto& item : node) {
-    const std::string joint = item.first.as<std::string>("");
-    try {
-      if (!value.emplace(joint, bounded(to_number(item.second), key)).second) throw Fault{"is given twice"};
-    } catch (const Fault& fault) {
-      throw Fault{fault.message, "." + joint};
-    }
-  }
-  if (value.empty()) throw Fault{"is an empty map; name at least one joint"};
-}
-
-void read(const YAML::Node& node, const Key& key, JointValues& value) {
-  if (node.IsMap()) {
-    read(node, key, value.value.emplace<JointValues::Named>());
-  } else if (node.IsSequence()) {
-    std::vector<double> list;
-    for (const YAML::Node& item : node) list.push_back(bounded(to_number(item), key));
-    if (list.empty()) throw Fault{"is an empty list; give one number per joint, or one for all"};
-    value.value = std::move(list);
-  } else {
-    value.value = bounded(to_number(node, "a number, a list of numbers or a map joint: number"), key);
-  }
-}
-
-void read(const YAML::Node& node, const Key& key, std::vector<JointValues>& value) {
-  if (!node.IsSequence() || node.size() == 0) throw Fault{"must be a list of configurations, not " + (node.IsSequence() ? "empty" : show(node))};
-  for (const YAML::Node& item : node) {
-    const std::string below = "[" + std::to_string(value.size()) + "]";
-    try {
-      if (item.IsScalar()) throw Fault{"must be a list of numbers or a map joint: number, not " + show(item)};
-      read(item, key, value.emplace_back());
-    } catch (const Fault& fault) {
-      throw Fault{fault.message, below + fault.below};
-    }
-  }
-}
-
-/// A map with known parts, as an item of a list.
-template <HasParts T>
-void read_item(const YAML::Node& node, T& value) {
-  std::vector<std::string> known;
-  for_each_part(value, [&](const Key& part, auto&) { known.push_back(part.name); });
-  if (!node.IsMap()) throw Fault{"must be a map with " + list_of(known) + ", not " + show(node)};
-  for (const auto& part : node)
-    if (const auto name = part.first.as<std::string>(""); std::find(known.begin(), known.end(), name) == known.end()) {
-      const std::string near = did_you_mean(name, known);
-      throw Fault{"is not known" + (near.empty() ? "; there are " + list_of(known) : near), "." + name};
-    }
-  for_each_part(value, [&](const Key& part, auto& member) {
-    const YAML::Node given = node[part.name];
-    try {
-      if (given) read(given, part, member);
-      else if (part.standard == std::string(kMustBeGiven)) throw Fault{"is missing"};
-    } catch (const Fault& fault) {
-      throw Fault{fault.message, std::string(".") + part.name};
-    }
-  });
-}
-
-template <HasParts T>
-void read(const YAML::Node& node, const Key&, std::vector<T>& value) {
-  if (!node.IsSequence()) throw Fault{"must be a list of maps, not " + show(node)};
-  for (const YAML::Node& item : node) {
-    const std::string at = "[" + std::to_string(value.size()) + "]";
-    try {
-      read_item(item, value.emplace_back());
-    } catch (const Fault& fault) {
-      throw Fault{fault.message, at + fault.below};
-    }
-  }
-}
-
-void read(const YAML::Node& node, const Key&, std::map<std::string, std::string>& value) {
-  if (!node.IsMap()) throw Fault{"must be a map name: command, not " + show(node)};
-  for (const auto& item : node) {
-    const std::string name = item.first.as<std::string>("");
-    if (name.empty() || name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") != std::string::npos)
-      throw Fault{"a process is named with small letters, digits, - and _", "." + name};
-    try {
-      read(item.second, Key{}, value[name]);
-    } catch (Fault& fault) {
-      throw Fault{fault.message, "." + name};
-    }
-  }
-}
-
-/// {max: x}, {min: x} or both; below that, names of joints: max_error: {max: 1, elbow: {max: 0.1}}.
-void read_bounds(const YAML::Node& node, const std::string& metric, std::map<std::string, Bound>& value) {
-  if (!node.IsMap() || node.size() == 0)
-    throw Fault{"must be {max: x}, {min: x} or both, not " + show(node), "." + metric};
-  for (const auto& side : node) {
-    const std::string word = side.first.as<std::string>("");
-    if (side.second.IsMap()) {
-      read_bounds(side.second, metric + "." + word, value);
-      continue;
-    }
-    try {
-      if (word != "min" && word != "max") throw Fault{"a bound is min or max"};
-      (word == "min" ? value[metric].min : value[metric].max) = to_number(side.second);
-    } catch (const Fault& fault) {
-      throw Fault{fault.message, "." + metric + "." + word};
-    }
-  }
-  const Bound& bound = value[metric];
-  if (bound.min && bound.max && *bound.min > *bound.max) throw Fault{"min is above max", "." + metric};
-  if (!bound.min && !bound.max) value.erase(metric);
-}
-
-void read(const YAML::Node& node, const Key&, std::map<std::string, Bound>& value) {
-  if (!node.IsMap()) throw Fault{"must be a map metric: {max: x}, not " + show(node)};
-  for (const auto& item : node) read_bounds(item.second, item.first.as<std::string>(""), value);
-}
-
-// ---- the whole text
+using yaml::Fault;
+using yaml::show;
 
 /// The leaves of the document by key, each with where it stands.
 class Document {
@@ -235,7 +30,7 @@ class Document {
     try {
       root_ = YAML::Load(text);
     } catch (const YAML::ParserException& e) {
-      throw ExperimentError(at_line(e.mark) + ": not YAML: " + e.msg);
+      throw ExperimentError(not_yaml(text, e));
     }
     if (root_.IsNull()) root_ = YAML::Node(YAML::NodeType::Map);
     if (!root_.IsMap())
@@ -250,6 +45,17 @@ class Document {
 
  private:
   std::string at_line(const YAML::Mark& mark) const { return file_ + ":" + std::to_string(mark.line + 1); }
+
+  /// Where the text stops being YAML; tabs and indentation are what usually is wrong.
+  std::string not_yaml(const std::string& text, const YAML::ParserException& e) const {
+    std::stringstream lines(text);
+    std::string line;
+    for (int n = 0; n <= e.mark.line && std::getline(lines, line); ++n)
+      if (line.substr(0, line.find_first_not_of(" \t")).find('\t') != std::string::npos)
+        return file_ + ":" + std::to_string(n + 1) + ": not YAML: begins with a tab; indent with spaces";
+    const bool map = e.msg.find("map value") != std::string::npos;
+    return at_line(e.mark) + ": not YAML: " + e.msg + (map ? "; is it indented like the lines around it?" : "");
+  }
 
   void override_with(const Override& one) {
     const std::string& text = one.text;
@@ -327,11 +133,22 @@ class Document {
   }
 
   void unknown(const YAML::Node& node, const std::string& path, const std::string& place) {
-    if (node.IsMap() && node.size() > 0) {  // a misspelt section: show what stands in it, for a better guess
+    if (node.IsMap() && node.size() > 0) {  // a misspelt section; if it is like none, what stands in it gives a better guess
+      if (const std::string near = did_you_mean(path, sections()); !near.empty()) {
+        faults.push_back(place + ": unknown section '" + path + "'" + near);
+        return;
+      }
       for (const auto& item : node) unknown(item.second, path + "." + item.first.as<std::string>("?"), place);
       return;
     }
     faults.push_back(place + ": unknown key '" + path + "'" + did_you_mean(path, keys_));
+  }
+
+  std::vector<std::string> sections() const {
+    std::set<std::string> all;
+    for (const std::string& key : keys_)
+      for (size_t dot = key.find('.'); dot != std::string::npos; dot = key.find('.', dot + 1)) all.insert(key.substr(0, dot));
+    return {all.begin(), all.end()};
   }
 
   bool is_section(const std::string& path) const {
@@ -367,7 +184,7 @@ Experiment parse_experiment(const std::string& text, const std::string& file, st
     if (leaf == document.leaves.end()) return;
     try {
       if (leaf->second.IsNull()) throw Fault{"is empty; give a value or remove the key"};
-      read(leaf->second, key, member);
+      yaml::read(leaf->second, key, member);
     } catch (const Fault& fault) {
       const std::string path = key.name + fault.below;
       std::string at = path;  // what is missing stands nowhere: then where it should be

@@ -150,16 +150,37 @@ void for_each_key(E& e, F&& f) {
     e.planner.keep_orientation);
   f(K{"planner.lead", "steps", "4", "how far references run ahead; from 16 on the planner works in batches and the loop runs about twice as fast", 0, 128}, e.planner.lead);
 
-  f(K{"controller.kind", "", "pd", "`none`, `pd`, `pd_gravity` or `computed_torque`"}, e.controller.kind);
-  f(K{"controller.kp", "pd: Nm/rad, N/m; computed_torque: 1/s2", "0", "gain on the error of q", 0},
+  f(K{"controller.kind", "", "pd", "`none`, `pd`, `pd_gravity`, `computed_torque`, `cartesian_impedance` or `com_velocity`; formulas below"}, e.controller.kind);
+  f(K{"controller.kp", "pd: Nm/rad, N/m; computed_torque: 1/s2; com_velocity: 1/s", "0", "gain on the error of q", 0},
     e.controller.kp);
-  f(K{"controller.kd", "pd: Nm s/rad, N s/m; computed_torque: 1/s", "0", "gain on the error of v", 0},
+  f(K{"controller.kd", "pd: Nm s/rad, N s/m; computed_torque, com_velocity: 1/s", "0", "gain on the error of v", 0},
     e.controller.kd);
+  f(K{"controller.frame", "", "needed by cartesian_impedance", "the frame that is held, such as the tool"},
+    e.controller.frame);
+  f(K{"controller.stiffness", "Nm/rad, N/m", "[0, 0]",
+      "cartesian_impedance: of the frame, angular and linear; a part with neither stiffness nor damping is left to the "
+      "posture (`kp`, `kd`)",
+      0},
+    e.controller.stiffness);
+  f(K{"controller.damping", "Nm s/rad, N s/m", "[0, 0]", "cartesian_impedance: of the frame, angular and linear", 0},
+    e.controller.damping);
+  f(K{"controller.com_gain", "1/s", "0", "com_velocity: gain on the error of the centre of mass", 0},
+    e.controller.com_gain);
   f(K{"controller.every", "steps", "1", "steps from one command to the next; it is held between", 1, 128},
     e.controller.every);
+  f(K{"controller.limit_effort", "", "false",
+      "`true`: the controller itself cuts its command at the joints' effort limits; an event `effort_limited` says so when it begins"},
+    e.controller.limit_effort);
   f(K{"controller.model.mass_scale", "", "1", "model error: the controller believes in every mass times this",
       kTiny, 1e6},
     e.controller.model.mass_scale);
+  f(K{"controller.model.com_shift", "m", "nothing",
+      "model error: link (or joint, for all that moves with it in one piece): [x, y, z] by which its centre of mass is "
+      "thought to be off, in its own axes"},
+    e.controller.model.com_shift);
+  f(K{"controller.model.without", "", "nothing",
+      "model error: links or joints whose masses the controller does not know, such as a tool"},
+    e.controller.model.without);
 
   f(K{"logger.every", "steps", "1", "steps from one logged step to the next", 1, 1e9, {}, false},
     e.logger.every);

@@ -1,10 +1,12 @@
 #include "procs/experiment/robot.h"
 
+#include <rbd/model/near_names.h>
 #include <rbd/model/sample_geometries.h>
 #include <rbd/rbd.h>
 #include <rbd/urdf/shapes.h>
 #include <rbd/urdf/urdf.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -89,6 +91,20 @@ void apply_options(const Experiment& e, Robot& robot) {
       Eigen::Vector3d(e.simulator.gravity[0], e.simulator.gravity[1], e.simulator.gravity[2]);
 }
 
+/// `name` with its last part as a file near it is called, in the first of the folders that exists; empty if there is none.
+std::string near_file(const std::string& name, const std::vector<std::string>& tried) {
+  for (const std::string& file : tried) {
+    std::error_code none;
+    std::vector<std::string> there;
+    for (const auto& entry : fs::directory_iterator(fs::path(file).parent_path(), none))
+      if (entry.path().extension() == ".urdf") there.push_back(entry.path().stem());
+    std::sort(there.begin(), there.end());
+    const auto near = rbd::nearNames(fs::path(file).stem(), there, 1);
+    if (!near.empty()) return name.substr(0, name.rfind('/') + 1) + near[0] + ".urdf";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string find_model(const Experiment& e) {
@@ -112,8 +128,10 @@ std::string find_model(const Experiment& e) {
   }
   for (const std::string& file : tried)
     if (is_file(file)) return fs::absolute(file).lexically_normal();
-  std::string hint;
-  if (name.starts_with("package://example-robot-data/"))
+  std::string hint = near_file(name, tried);
+  if (!hint.empty())
+    hint = "; did you mean '" + hint + "'?";
+  else if (name.starts_with("package://example-robot-data/"))
     hint = "; get it with scripts/lab robots";
   else if (name.starts_with("package://"))
     hint = "; add the folder that holds the package to LAB_PACKAGE_PATH";

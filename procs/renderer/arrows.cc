@@ -64,9 +64,8 @@ void Stage::set_scales() {
 void Stage::add_arrows(const Moment& moment, render::Scene& scene) {
   if (extras_.arrows.empty()) return;
   const double radius = 0.0025 * width();
-  const bool inside = shows("com") || shows("frames");
-  for (render::Body& body : scene.bodies)  // what sits inside the links has to show through them
-    if (inside && !body.annotation && body.group == 0) body.opacity = .5f, body.group = 1;
+  for (render::Body& body : scene.bodies)  // arrows sit inside the links and have to show through them
+    if (!body.annotation && body.group == 0) body.opacity = .55f, body.group = 1;
   const bool moving = moment.v.size() > 0;
   if (moving) rbd::forwardKinematics(model_, data_, moment.q, moment.v);
   else rbd::forwardKinematics(model_, data_, moment.q);
@@ -114,8 +113,8 @@ void Stage::draw_legend(render::Image& image) const {
   }
   for (const auto& [name, each, colour] : {std::tuple("force", &force_, kForce), std::tuple("velocity", &velocity_, kVelocity)}) {
     if (!shows(name) || each->text.empty()) continue;
-    draw_box(image, left, y + 3 * scale, 6 * scale, 2 * scale, colour);
-    write(left + 9 * scale, each->text);
+    draw_box(image, left, y + 3 * scale, 7 * scale, 2 * scale, colour);
+    write(left + 10 * scale, each->text);
     y -= line;
   }
 }

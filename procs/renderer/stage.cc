@@ -8,6 +8,7 @@
 #include <map>
 
 #include "procs/experiment/check.h"
+#include "procs/experiment/joints.h"
 #include "procs/renderer/robot_scene.h"
 #include "render/markers.h"
 
@@ -19,11 +20,13 @@ constexpr double kAllowance = 0.05;      // of the box's diagonal, by which a ru
 constexpr int kReferenceGroup = 1000;    // of translucent bodies; ghosts count from 1
 const Eigen::Vector4f kReferenceTint(.16f, .72f, .40f, .75f);
 
-rbd::FrameIndex frame_of(const Experiment& experiment, const std::string& key, const std::string& name, const rbd::Model& model) {
-  if (name.empty() || model.existFrame(name)) return name.empty() ? 0 : model.frameId(name);
-  std::vector<std::string> names;
-  for (const rbd::Frame& frame : model.frames) names.push_back(frame.name);
-  fail(experiment, key, "no frame '" + name + "'" + did_you_mean(name, names));
+/// Whether a body stands where another one does, as far as an eye could tell.
+bool coincide(const render::Body& a, const render::Body& b) {
+  constexpr double kSeen = 0.003;  // m
+  const render::Bounds box = render::bounds(a);
+  const double reach = box.isEmpty() ? 0 : (box.center() - a.pose.translation()).norm() + box.diagonal().norm() / 2;
+  const double turn = Eigen::AngleAxisd(a.pose.linear().transpose() * b.pose.linear()).angle();
+  return (a.pose.translation() - b.pose.translation()).norm() + std::abs(turn) * reach < kSeen;
 }
 
 double length(const Eigen::VectorXd& x) {
@@ -46,12 +49,14 @@ Stage::Stage(const Robot& robot, const Experiment& e, Extras extras)
       model_(robot.model),
       data_(model_),
       robot_(make_bodies(robot, e.renderer.quality, links_, warnings_)),
-      traced_(frame_of(e, "renderer.trace", settings_.trace, model_)),
-      followed_(frame_of(e, "renderer.follow", settings_.follow, model_)) {
+      traced_(settings_.trace.empty() ? 0 : named_frame(e, "renderer.trace", settings_.trace, model_)),
+      followed_(settings_.follow.empty() ? 0 : named_frame(e, "renderer.follow", settings_.follow, model_)) {
   const std::vector<Eigen::VectorXd> plan = planned_poses(e, model_, kPlanned);
   rbd::forwardKinematics(model_, data_, plan.front());
   home_ = data_.oMf[followed_].translation();
   for (const Eigen::VectorXd& q : plan) extend(q, box_, followed_box_);
+  // the plan's last rest does not count for the colours of time
+  for (size_t i = plan.size(); i-- > 1 && plan[i] == plan[i - 1];) moving_ = duration_ * static_cast<double>(i - 1) / (kPlanned - 1);
   set_cameras();
 }
 
@@ -132,7 +137,7 @@ void Stage::remember(const Moment& moment) {
 }
 
 double Stage::share(const Sample& s) const {
-  if (extras_.trace_by == "time") return s.moment.time / duration_;
+  if (extras_.trace_by == "time") return s.moment.time / (moving_ > 0 ? moving_ : duration_);
   return most_ > 0 ? (extras_.trace_by == "error" ? s.error : s.speed) / most_ : 0;
 }
 
@@ -143,7 +148,7 @@ Eigen::Vector4f Stage::colour(const Sample& s) const {
 void Stage::add_trace(const std::vector<Sample>& samples, const std::vector<Eigen::Vector4f>& colours, render::Scene& scene) const {
   std::vector<Eigen::Vector3d> points;
   for (const Sample& s : samples) points.push_back(s.point);
-  scene.bodies.push_back(render::make_trace(points, colours, 0.0028 * width()));
+  scene.bodies.push_back(render::make_trace(points, colours, 0.0033 * width()));
 }
 
 // ---- scenes
@@ -158,12 +163,14 @@ render::Scene Stage::scene(const Moment& moment) {
     samples.push_back(sample(moment));  // the trace ends where the tool is
     for (const Sample& s : samples) colours.push_back(colour(s));
     add_trace(samples, colours, scene);
-    scene.bodies.push_back(render::make_bead(samples.back().point, 0.006 * width(), colours.back()));
+    scene.bodies.push_back(render::make_bead(samples.back().point, 0.007 * width(), colours.back()));
   }
-  if (settings_.reference && moment.wanted.size() > 0)
-    for (render::Body& body : render::ghost(robot_at(moment.wanted), kReferenceGroup, kReferenceTint, .42f))
-      scene.bodies.push_back(std::move(body));
-  for (render::Body& body : robot_at(moment.q)) scene.bodies.push_back(std::move(body));
+  std::vector<render::Body> bodies;
+  if (settings_.reference && moment.wanted.size() > 0) bodies = render::ghost(robot_at(moment.wanted), kReferenceGroup, kReferenceTint, .5f);
+  const std::vector<render::Body> actual = robot_at(moment.q);
+  for (size_t i = 0; i < bodies.size(); ++i)  // the ghost shows where it is not the robot
+    if (!coincide(bodies[i], actual[i])) scene.bodies.push_back(std::move(bodies[i]));
+  scene.bodies.insert(scene.bodies.end(), actual.begin(), actual.end());
   add_arrows(moment, scene);
   return scene;
 }
@@ -194,20 +201,24 @@ render::Scene Stage::ghosts(int64_t n) {
   // where the way has ended; what rests there afterwards adds nothing
   const auto end = static_cast<size_t>(std::lower_bound(along.begin(), along.end(), all) - along.begin());
   while (!chosen.empty() && chosen.back() >= end) chosen.pop_back();
-  for (size_t k = 0; k < chosen.size(); ++k) {
+  const std::vector<render::Body> last = robot_at(way_.back().moment.q);
+  std::vector<render::Body> next;
+  for (size_t k = chosen.size(); k-- > 0;) {
     Eigen::Vector4f tint = render::ramp_time(at(chosen[k]));
     tint[3] = .62f;
-    for (render::Body& body : render::ghost(robot_at(way_[chosen[k]].moment.q), static_cast<int>(k + 1), tint, .40f))
-      scene.bodies.push_back(std::move(body));
+    std::vector<render::Body> bodies = render::ghost(robot_at(way_[chosen[k]].moment.q), static_cast<int>(k + 1), tint, .42f);
+    for (size_t i = 0; i < bodies.size(); ++i)  // what has not moved, as a base, is shown once: by the solid robot or the next ghost
+      if (!coincide(bodies[i], last[i]) && (next.empty() || !coincide(bodies[i], next[i]))) scene.bodies.push_back(bodies[i]);
+    next = std::move(bodies);
   }
-  for (render::Body& body : robot_at(way_.back().moment.q)) scene.bodies.push_back(std::move(body));
+  for (const render::Body& body : last) scene.bodies.push_back(body);
 
   if (!settings_.trace.empty()) {
     std::vector<Eigen::Vector4f> colours;
     for (size_t i = 0; i < way_.size(); ++i) colours.push_back(extras_.trace_by == "time" ? render::ramp_time(at(i)) : colour(way_[i]));
     add_trace(way_, colours, scene);
     chosen.push_back(way_.size() - 1);
-    for (size_t i : chosen) scene.bodies.push_back(render::make_bead(way_[i].point, 0.006 * width(), colours[i]));
+    for (size_t i : chosen) scene.bodies.push_back(render::make_bead(way_[i].point, 0.007 * width(), colours[i]));
   }
   return scene;
 }

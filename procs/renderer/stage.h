@@ -94,7 +94,7 @@ class Stage {
 
   Experiment::Renderer settings_;
   Extras extras_;
-  double duration_;
+  double duration_, moving_ = 0;  ///< s: of the run; of the planned motion in it, 0 = all
   rbd::Model model_;
   rbd::Data data_;
   std::vector<std::string> links_{""}, warnings_;

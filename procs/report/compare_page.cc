@@ -108,15 +108,22 @@ std::string key_table(const Comparison& all) {
 }
 
 std::string metric_table(const Comparison& all, bool per_joint) {
-  Table table{{"metric", "unit", escape(all.names[0])}, {}, 2};
-  for (size_t i = 1; i < all.names.size(); ++i) table.head.push_back(escape(all.names[i])), table.head.push_back("against " + escape(all.names[0]));
+  // of more than three runs a value and what it is against the first share a cell, so that all of them are in sight
+  const bool share = all.names.size() > 3;
+  const std::string against = "against " + escape(all.names[0]);
+  Table table{{"metric", "unit", escape(all.names[0])}, {}, 2, share};
+  const auto add = [&](std::vector<std::string>& row, const std::string& value, const std::string& words) {
+    if (share) row.push_back(value + "<br>" + words);
+    else row.push_back(value), row.push_back(words);
+  };
+  for (size_t i = 1; i < all.names.size(); ++i) add(table.head, escape(all.names[i]), against);
   for (const Comparison::Row& one : all.rows) {
     if ((one.name.find('.') != std::string::npos) != per_joint) continue;
     std::vector<std::string> row{"<code>" + escape(one.name) + "</code>", one.unit, figure(one.values[0])};
     for (size_t i = 1; i < one.values.size(); ++i) {
       const std::string words = in_words(one.better, one.values[0], one.values[i]);
       const char* mood = words.ends_with("better") ? "good" : words.ends_with("worse") ? "bad" : "soft";
-      row.push_back(figure(one.values[i])), row.push_back(std::string("<span class=\"") + mood + "\">" + words + "</span>");
+      add(row, figure(one.values[i]), std::string("<span class=\"") + mood + "\">" + words + "</span>");
     }
     table.rows.push_back(row);
   }

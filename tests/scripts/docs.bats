@@ -34,3 +34,12 @@ tests() {
     done < <(grep -oE '\]\([^):# ]+[)# ]' "$page" | sed -E 's/^..//; s/.$//')
   done
 }
+
+@test "the catalogue's pictures are small, and all of them are shown" {
+  for f in "$ROOT"/docs/pictures/catalogue/*; do
+    grep -q "(pictures/catalogue/$(basename "$f"))" "$ROOT/docs/experiments.md" || { echo "not shown: $f"; return 1; }
+    most=30000
+    [[ $f != *.svg ]] || most=45000
+    [ "$(stat -c %s "$f")" -le $most ] || { echo "too large: $f"; return 1; }
+  done
+}

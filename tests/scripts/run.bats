@@ -76,6 +76,15 @@ log_has() { grep -q "$2" "$LAB_RUNS/trial/processes/$1.log" 2>/dev/null; }
   [ -z "$(ls -A "$LAB_RUNS")" ]
 }
 
+@test "an experiment that does not exist is 3, and near names are told" {
+  run "$LAB" run sinusoid_tc
+  [ "$status" -eq 3 ]
+  [ "$output" = "lab run: there is no experiment 'sinusoid_tc'; near names: sinusoid_ct sinusoid_pd (experiments/ has some to start from)" ]
+  run "$LAB" run experiments/cubic_pdd.yaml
+  [ "$status" -eq 3 ]
+  [[ $output == *"'experiments/cubic_pdd.yaml'; near names: cubic_pd "* ]]
+}
+
 @test "a process that dies is 5 and the manifest is written" {
   given "simulator: $nap; : $mark" "controller: exit 1 # $mark"
   run lab_run

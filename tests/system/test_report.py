@@ -10,7 +10,7 @@ import pytest
 
 import labrun as lab
 
-VOID = {"meta", "img"}
+VOID = {"meta", "img", "br"}
 
 
 class Checker(html.parser.HTMLParser):

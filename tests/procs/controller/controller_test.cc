@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "procs/simulator/simulator.h"
@@ -99,6 +100,12 @@ TEST(Controller, ComputedTorqueErrorsDieAsTheFormulaSays) {
   }
 }
 
+// the core refuses numbers that overflow by an exception; a step never throws, and what is not finite is never sent
+TEST(Controller, NumbersTooLargeGiveNoFiniteEffort) {
+  const rbd::Model model = arm();
+  EXPECT_FALSE(tau_of(with("computed_torque", 1.7e308, 20), model, somewhere(6), elsewhere(6)).allFinite());
+}
+
 TEST(Controller, PlainPdSagsByGravityOverKp) {
   const rbd::Model model = arm();
   Experiment e = with("pd", 200, 60);
@@ -150,10 +157,11 @@ TEST(Controller, GainsCanBeSetWhileItRuns) {
   out = act({"set", "controller", "kp", "", {1, 2, 3, 4, 5, 6}});
   EXPECT_NEAR(out.command.tau[2], 3 * (r.q[2] - s.q[2]), 1e-12);
   const std::pair<Action, const char*> refused[] = {
-      {{"set", "controller", "ki", "", {1}}, "'set ki': the controller can set kp and kd"},
-      {{"set", "controller", "kp", "", {1, 2}}, "'set kp': has 2 values, needed 1 or 6"},
-      {{"set", "controller", "kd", "", {-1}}, "'set kd': value -1, must be finite and at least 0"},
-      {{"set", "controller", "kd", "", {NAN}}, "'set kd': value nan, must be finite and at least 0"},
+      {{"set", "controller", "ki", "", {1}},
+       "'set ki': the controller has no 'ki' to set; did you mean 'kp'? (it has kp, kd, stiffness, damping, com_gain)"},
+      {{"set", "controller", "kp", "", {1, 2}}, "'set kp': kp has 2 values, needed 1 or 6"},
+      {{"set", "controller", "kd", "", {-1}}, "'set kd': kd is -1, must be finite and at least 0"},
+      {{"set", "controller", "kd", "", {NAN}}, "'set kd': kd is nan, must be finite and at least 0"},
       {{"dance", "controller", "", "", {}}, "'dance': the controller has no such action"},
   };
   for (const auto& [action, why] : refused) {
@@ -184,6 +192,57 @@ TEST(Controller, NothingDrivesAFloatingBase) {
   }
 }
 
+TEST(Controller, CutsItsCommandAtTheLimitsAndSaysSoOnce) {
+  const rbd::Model model = arm();  // 300 Nm, from the fourth joint on 150
+  Experiment e = with("pd", 1000, 0);
+  const RobotState s = somewhere(6);
+  Reference r = elsewhere(6);
+  const Eigen::VectorXd wanted = tau_of(e, model, s, r);
+  e.controller.limit_effort = true;
+  const Config config = make_config(e, model);
+  State state = initial(config);
+  const Output first = step(config, state, {.state = s, .reference = r});
+  std::vector<std::string> cut;
+  for (int i = 0; i < 6; ++i) {
+    const double most = i < 3 ? 300 : 150;
+    EXPECT_EQ(first.command.tau[i], std::clamp(wanted[i], -most, most));
+    if (std::abs(wanted[i]) > most) cut.push_back(model.names[i + 1]);
+  }
+  ASSERT_FALSE(cut.empty());
+  ASSERT_LT(cut.size(), 6u);
+  ASSERT_EQ(first.events.size(), cut.size());
+  for (size_t i = 0; i < cut.size(); ++i) {
+    EXPECT_EQ(first.events[i].what, "effort_limited");
+    EXPECT_EQ(first.events[i].who, cut[i]);
+  }
+  EXPECT_EQ(first.events[0].why, "value 800, bound 300");
+  EXPECT_TRUE(step(config, state, {.state = s, .reference = r}).events.empty());  // still
+  r.q = s.q;
+  EXPECT_TRUE(step(config, state, {.state = s, .reference = r}).events.empty());  // over
+  r = elsewhere(6);
+  EXPECT_EQ(step(config, state, {.state = s, .reference = r}).events.size(), cut.size());  // again
+}
+
+// a row of one's own, with a memory: its third command knows the two errors before
+TEST(Controller, TakesKindsOfTheCallers) {
+  const Kind mine[] = {{"sum", "tau = kp (sum of e)", [](const Config& c, State& s, const Input&, Eigen::VectorXd& tau) {
+                          s.memory += c.period * s.e;
+                          tau = s.gains.kp.cwiseProduct(s.memory);
+                        }}};
+  const rbd::Model model = arm();
+  Experiment e = with("sum", 10, 0);
+  e.simulator.dt = 0.002;
+  e.controller.every = 5;
+  const Config config = make_config(e, model, mine);
+  State state = initial(config);
+  const RobotState s = somewhere(6);
+  const Reference r = elsewhere(6);
+  Eigen::VectorXd tau;
+  for (int k = 0; k < 3; ++k) tau = step(config, state, {.state = s, .reference = r}).command.tau;
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(tau[i], 10 * 3 * 0.01 * (r.q[i] - s.q[i]), 1e-14);
+  EXPECT_THROW(make_config(e, model), ExperimentError);
+}
+
 TEST(Controller, UnknownKindNamesTheKnownOnes) {
   Experiment e = with("pid", 1, 1);
   e.file = "x.yaml";
@@ -193,7 +252,8 @@ TEST(Controller, UnknownKindNamesTheKnownOnes) {
   } catch (const ExperimentError& error) {
     EXPECT_STREQ(
         error.what(),
-        "x.yaml: controller.kind: 'pid' is not known; use one of none, pd, pd_gravity, computed_torque");
+        "x.yaml: controller.kind: 'pid' is not known; use one of none, pd, pd_gravity, computed_torque, "
+        "cartesian_impedance, com_velocity");
   }
 }
 

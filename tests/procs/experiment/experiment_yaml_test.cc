@@ -32,8 +32,10 @@ constexpr Case kRefused[] = {
     {"", "x.yaml: robot.model is missing; name a robot, for example builtin:manipulator"},
     {"[1, 2]", "x.yaml:1: must be a map of sections (robot:, simulator:, ..)"},
     {"robot: {model: m}\nname: [", "x.yaml:2: not YAML: end of sequence flow not found"},
-    {"robot: {model: m}\ncontroler:\n  kp: 5\n",
-     "x.yaml:2: unknown key 'controler.kp'; did you mean 'controller.kp'?"},
+    {"robot: {model: m}\nsimulator:\n\tdt: 1\n", "x.yaml:3: not YAML: begins with a tab; indent with spaces"},
+    {"robot: {model: m}\nsimulator:\n  dt: 1\n   duration: 2\n", "x.yaml:4: not YAML: illegal map value; is it indented like the lines around it?"},
+    {"robot: {model: m}\ncontroler:\n  kind: pd\n  kp: 5\n", "x.yaml:2: unknown section 'controler'; did you mean 'controller'?"},
+    {"robot: {model: m}\ncontroller:\n  kp: 5\n  modell:\n    mass_scale: 2\n", "x.yaml:4: unknown section 'controller.modell'; did you mean 'controller.model'?"},
     {"robot: {model: m}\ncontroller:\n  kq: 5\n",
      "x.yaml:3: unknown key 'controller.kq'; did you mean 'controller.kp'?"},
     {"robot: {model: m}\nkp: 5\n", "x.yaml:2: unknown key 'kp'; did you mean 'controller.kp'?"},
@@ -83,7 +85,7 @@ constexpr Case kRefused[] = {
     {"robot: {model: m}\ncontroller:\n  kp: nan\n",
      "x.yaml:3: controller.kp: must be a finite number, not 'nan'"},
     {"robot: {model: m}\ncontroller:\n  kp: [1, -.inf]\n",
-     "x.yaml:3: controller.kp: must be finite, not '-.inf'"},
+     "x.yaml:3: controller.kp[1]: must be finite, not '-.inf'"},
     {"robot: {model: m}\ncontroller:\n  kp: 1e999\n",
      "x.yaml:3: controller.kp: must be a finite number, not '1e999'"},
     {"robot: {model: m}\ncontroller:\n  kp: []\n",
@@ -154,7 +156,7 @@ TEST(ExperimentYaml, OverridesWinAndAreNamedInErrors) {
 
   const std::pair<const char*, const char*> refused[] = {
       {"controller.kp=nan", "--set: controller.kp: must be a finite number, not 'nan'"},
-      {"controler.kp=1", "--set: unknown key 'controler.kp'; did you mean 'controller.kp'?"},
+      {"controler.kp=1", "--set: unknown section 'controler'; did you mean 'controller'?"},
       {"controller.kp", "--set controller.kp: must look like controller.kp=80"},
       {"controller.kp=[1", "--set controller.kp: not a YAML value: end of sequence flow not found"},
       {"controller.kp.elbow=1", "--set controller.kp.elbow: 'kp' is not a map in x.yaml"},
@@ -242,6 +244,12 @@ class Randomizer {
   }
   void operator()(const Key& key, std::map<std::string, double>& x) {
     if (random_() % 2) x = {{"finger", within(key)}, {"3", 0.25}};
+  }
+  void operator()(const Key& key, std::map<std::string, std::array<double, 3>>& x) {
+    if (random_() % 2) x = {{"tool", {within(key), 0, -0.1}}, {"3", {0.25, 0, within(key)}}};
+  }
+  void operator()(const Key&, std::vector<std::string>& x) {
+    if (random_() % 2) x = {"tool", "left arm: 1", "3"};
   }
   void operator()(const Key& key, std::map<std::string, Bound>& x) {
     x = {{"max_error", {.min = {}, .max = 0.1}}, {"final_error.elbow", {.min = within(key), .max = {}}}};

@@ -1,19 +1,39 @@
-// Every experiment of experiments/, run without processes: it must be accepted and meet what it expects.
+// Every experiment of experiments/, run without processes: it must be accepted, meet what it expects, and give the figures
+// that the catalogue in docs/experiments.md says it gives.
 #include <gtest/gtest.h>
+#include <rbd/rbd.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
 
 #include "procs/experiment/check.h"
 #include "procs/experiment/experiment_yaml.h"
+#include "procs/experiment/metrics.h"
 #include "tests/procs/experiment/loop.h"
 
 namespace lab {
 namespace {
 
 const std::string kFolder = LAB_SOURCE_DIR "/experiments/";
+
+std::string page() {
+  std::stringstream text;
+  text << std::ifstream(LAB_SOURCE_DIR "/docs/experiments.md").rdbuf();
+  return text.str();
+}
+
+/// The row of the catalogue that begins with a picture of this experiment; empty if there is none.
+std::string catalogue_row(const std::string& name) {
+  const std::string text = page();
+  const size_t at = text.find("\n| ![](pictures/catalogue/" + name + ".png) | [" + name + "](../experiments/" + name + ".yaml)<br>");
+  return at == std::string::npos ? "" : text.substr(at + 1, text.find('\n', at + 1) - at - 1);
+}
 
 nlohmann::json outcome(const std::string& name, const std::vector<std::string>& set = {}) {
   const Experiment e = load_experiment(kFolder + name, set);
@@ -37,6 +57,16 @@ TEST_P(Experiments, MeetsItsExpectations) {
   const nlohmann::json result = outcome(GetParam());
   EXPECT_FALSE(e.expect.empty());
   EXPECT_TRUE(result["passed"]) << result.dump(1);
+  const std::string row = catalogue_row(e.name);
+  const std::regex figure("`([a-z_]+(?:\\.[A-Za-z0-9_]+)?)` (-?[0-9.]+(?:e-?[0-9]+)?)");
+  int figures = 0;
+  for (std::sregex_iterator it(row.begin(), row.end(), figure), none; it != none; ++it, ++figures) {
+    const nlohmann::json value = value_of(result, (*it)[1]);
+    ASSERT_TRUE(value.is_number()) << it->str();
+    const double written = std::stod((*it)[2]);
+    EXPECT_NEAR(value.get<double>(), written, 0.01 * std::abs(written)) << it->str() << ", in docs/experiments.md";
+  }
+  EXPECT_GT(figures, 0) << "docs/experiments.md: no row with figures of " << e.name << ", but '" << row << "'";
   if (std::getenv("LAB_VERBOSE")) std::cout << GetParam() << result.dump(1) << "\n";
 }
 
@@ -65,6 +95,18 @@ TEST(Experiments, ComputedTorqueTracksTenTimesBetterThanPd) {
   }
 }
 
+// every file of the catalogue exists, and every file is in it (those of the lockstep have figures besides, see above)
+TEST(Experiments, TheCatalogueListsAllOfThemAndNothingElse) {
+  std::set<std::string> files, listed;
+  for (const char* folder : {"", "sweeps/"})
+    for (const auto& entry : std::filesystem::directory_iterator(kFolder + folder))
+      if (entry.is_regular_file()) files.insert(folder + entry.path().filename().string());
+  const std::string text = page(), catalogue = text.substr(text.find("\n## Catalogue\n"));
+  const std::regex link(R"(\[([a-z0-9_]+)\]\(\.\./experiments/([a-z0-9_/]+\.yaml)\))");
+  for (std::sregex_iterator it(catalogue.begin(), catalogue.end(), link), none; it != none; ++it) listed.insert((*it)[2]);
+  EXPECT_EQ(files, listed);
+}
+
 TEST(Experiments, DisturbancesThatAreNotAsWrittenAreTold) {
   const auto warnings = [](const std::string& set) {
     const Experiment e = load_experiment(kFolder + "pushed.yaml", {set});
@@ -79,6 +121,43 @@ TEST(Experiments, DisturbancesThatAreNotAsWrittenAreTold) {
   EXPECT_EQ(warnings("simulator.payloads=[{time: 3.999, frame: effector_body, mass: 1}]"), "");
   EXPECT_EQ(warnings("simulator.limit_repulsion.stiffness=1000"), "");
   EXPECT_NE(warnings("simulator.limit_repulsion.stiffness=1e6").find("simulator.limit_repulsion.stiffness: warning: the soft stops are at"), std::string::npos);
+}
+
+// .. but only if it knows it: masses wrong by half cost a factor of hundreds, a PD with gravity's compensation about five
+TEST(Experiments, MassesWrongByHalfAreAnotherController) {
+  const auto error = [](const std::vector<std::string>& set) {
+    return outcome("wrong_masses.yaml", set)["max_error"].get<double>();
+  };
+  const std::string right = "controller.model.mass_scale=1", gravity = "controller.kind=pd_gravity";
+  const double ct = error({}) / error({right}), pd = error({gravity}) / error({gravity, right});
+  EXPECT_GT(ct, 300);
+  EXPECT_LT(ct, 600);
+  EXPECT_GT(pd, 4);
+  EXPECT_LT(pd, 8);
+  EXPECT_EQ(error({right}), outcome("sinusoid_ct.yaml")["max_error"].get<double>());  // the same path and gains
+}
+
+// the tool ends 20 N / 1000 N/m below where it was, not turned; after 3 s the slowest spring and damper (40 / 10 per s) has
+// left exp(-12) of the way
+TEST(Experiments, TheHeldToolGivesWayByForceOverStiffness) {
+  const Experiment e = load_experiment(kFolder + "impedance.yaml");
+  const Robot robot = load_robot(e);
+  const auto run = test::run_loop(e, robot.model).run;
+  const auto tool = [&](const RobotState& state) {
+    rbd::Data data(robot.model);
+    rbd::forwardKinematics(robot.model, data, state.q);
+    return data.oMf[robot.model.frameId("arm_tool_link")];
+  };
+  const rbd::SE3 first = tool(run.states.front()), last = tool(run.states.back());
+  EXPECT_LT((last.translation() - first.translation() - Eigen::Vector3d(0, 0, -0.02)).norm(), 1e-6);
+  EXPECT_LT((last.rotation() - first.rotation()).norm(), 1e-5);
+}
+
+TEST(Experiments, DocumentListsEveryController) {
+  std::string table = "| kind | effort |\n|---|---|\n";
+  for (const controller::Kind& kind : controller::kinds())
+    table += "| `" + std::string(kind.name) + "` | " + kind.what + " |\n";
+  EXPECT_NE(page().find(table + "\n"), std::string::npos) << "docs/experiments.md should have\n" << table;
 }
 
 // why the handbook's arm has armature here

@@ -132,7 +132,7 @@ TEST_F(Folder, FaultsAreOneLineAndTheRightExitCode) {
   EXPECT_EQ(call("check " + yaml), 0) << out_;
   EXPECT_EQ(out_, yaml + ": ok (manipulator, nq 6, nv 6; 300 steps of 0.01 s)\n");
   EXPECT_EQ(call("check " + yaml + " --set controler.kp=1"), 3);
-  EXPECT_EQ(out_, "--set: unknown key 'controler.kp'; did you mean 'controller.kp'?\n");
+  EXPECT_EQ(out_, "--set: unknown section 'controler'; did you mean 'controller'?\n");
   EXPECT_EQ(call("resolve " + yaml + " --set simulator.dt=0"), 3);
   EXPECT_EQ(out_, "--set: simulator.dt: 0 is too small; give at least 1e-06 (s)\n");
   EXPECT_EQ(call("resolve " + yaml + " --set robot.model=gone.urdf"), 3);

@@ -105,6 +105,8 @@ TEST(Planner, RefusesWhatCannotBe) {
   e.file = "x.yaml";
   e.planner.goal = {};
   EXPECT_EQ(refusal(e, model), "x.yaml: planner.goal: is missing; a cubic needs one");
+  e.where["planner.kind"] = "x.yaml:5";  // who needs it
+  EXPECT_EQ(refusal(e, model), "x.yaml:5: planner.goal: is missing; a cubic needs one");
   e.planner.goal.value = JointValues::Named{{"joint2_sholder", 1}};
   e.where["planner.goal"] = "x.yaml:7";
   EXPECT_EQ(refusal(e, model),
@@ -117,7 +119,7 @@ TEST(Planner, RefusesWhatCannotBe) {
       << refusal(e, model);
   e.planner.kind = "cubik";
   EXPECT_EQ(refusal(e, model),
-            "x.yaml: planner.kind: 'cubik' is not known; use one of hold, cubic, quintic, sinusoid, point_to_point, waypoints, line, circle");
+            "x.yaml:5: planner.kind: 'cubik' is not known; use one of hold, cubic, quintic, sinusoid, point_to_point, waypoints, line, circle");
   e.planner.kind = "sinusoid";
   e.planner.amplitude.value = 50.0;
   EXPECT_NE(refusal(e, model).find("would swing over"), std::string::npos) << refusal(e, model);

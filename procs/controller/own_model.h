@@ -1,0 +1,15 @@
+#pragma once
+#include <rbd/model/model.h>
+
+#include "procs/experiment/experiment.h"
+
+/// What the controller believes of the robot: the nominal model with the errors of `controller.model`. Its joints,
+/// frames, limits and rotors stay right; only bodies are wrong.
+namespace lab::controller {
+
+/// First `without` takes bodies away, then `com_shift` moves centres of mass, then `mass_scale` scales all of them.
+/// A body is named by its link, or by a joint: then all that moves with it in one piece. Throws ExperimentError for
+/// a name that is no body.
+rbd::Model own_model(const Experiment&, const rbd::Model& nominal);
+
+}  // namespace lab::controller
