@@ -29,8 +29,9 @@ TEST(Context, OsmesaAndEglDrawTheSamePicture) {
   const size_t name = egl.text.find(" EGL, ");
   ASSERT_NE(name, std::string::npos) << egl.text;
   // one Mesa, one rasterizer: the same bytes (with a GPU, EGL takes that, and draws in its own way)
-  if (osmesa.text.find(egl.text.substr(name + 6)) != std::string::npos)
+  if (osmesa.text.find(egl.text.substr(name + 6)) != std::string::npos) {
     EXPECT_EQ(egl.text.substr(0, 16), osmesa.text.substr(0, 16));
+  }
 }
 
 TEST(Context, ImpossibleWishesAreOneClearLine) {
