@@ -3,17 +3,49 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace lab::render {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kMargin = 1.08;  // the picture's size over that of what it shows
+
+const std::vector<std::pair<std::string, View>>& named_views() {
+  static const std::vector<std::pair<std::string, View>> views{{"iso", {-0.70, 0.40}},
+                                                               {"front", {0, 0.12}},
+                                                               {"side", {-M_PI / 2, 0.12}},
+                                                               {"top", {-M_PI / 2, M_PI / 2}}};
+  return views;
+}
+
+// What has to be in the picture: the box's corners, for an orbit at many angles about its vertical axis.
+std::vector<Vector3d> must_see(const Bounds& box, bool all_around) {
+  std::vector<Vector3d> points;
+  const int angles = all_around ? 36 : 1;
+  for (int k = 0; k < angles; ++k) {
+    const Eigen::AngleAxisd turn(2 * M_PI * k / angles, Vector3d::UnitZ());
+    for (int i = 0; i < 8; ++i) {
+      const Vector3d corner = box.corner(static_cast<Bounds::CornerType>(i));
+      points.push_back(box.center() + turn * (corner - box.center()));
+    }
+  }
+  return points;
+}
+
+}  // namespace
 
 Eigen::Isometry3d Camera::view() const {
   if (!eye.allFinite() || !target.allFinite() || !up.allFinite() || !(fov > 0 && fov < M_PI))
     throw std::invalid_argument("camera: eye, target and up must be finite, fov between 0 and pi");
-  const Eigen::Vector3d back = eye - target;
-  const Eigen::Vector3d right = up.cross(back);
+  if (!(height >= 0) || !std::isfinite(height))
+    throw std::invalid_argument("camera: the height of an orthographic picture must be finite and positive");
+  const Vector3d back = eye - target;
+  const Vector3d right = up.cross(back);
   if (!(right.norm() > 1e-9 * up.norm() * back.norm()) || back.norm() == 0)
     throw std::invalid_argument("camera: eye on target, or up along the line of sight");
-  const Eigen::Vector3d z = back.normalized(), x = right.normalized();
+  const Vector3d z = back.normalized(), x = right.normalized();
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
   world_from_camera.linear() << x, z.cross(x), z;
   world_from_camera.translation() = eye;
@@ -21,80 +53,117 @@ Eigen::Isometry3d Camera::view() const {
 }
 
 Eigen::Matrix4d Camera::projection(double aspect, double near, double far) const {
-  const double f = 1 / std::tan(fov / 2);
   Eigen::Matrix4d p = Eigen::Matrix4d::Zero();
-  p(0, 0) = f / aspect;
-  p(1, 1) = f;
-  p(2, 2) = (far + near) / (near - far);
-  p(2, 3) = 2 * far * near / (near - far);
-  p(3, 2) = -1;
+  if (orthographic()) {
+    p(0, 0) = 2 / (height * aspect);
+    p(1, 1) = 2 / height;
+    p(2, 2) = 2 / (near - far);
+    p(2, 3) = (far + near) / (near - far);
+    p(3, 3) = 1;
+  } else {
+    const double f = 1 / std::tan(fov / 2);
+    p(0, 0) = f / aspect;
+    p(1, 1) = f;
+    p(2, 2) = (far + near) / (near - far);
+    p(2, 3) = 2 * far * near / (near - far);
+    p(3, 2) = -1;
+  }
   return p;
 }
 
-Eigen::Vector3d Camera::pixel(const Eigen::Vector3d& point, int width, int height) const {
-  const Eigen::Vector3d c = view() * point;
+Vector3d Camera::pixel(const Vector3d& point, int width, int rows) const {
+  const Vector3d c = view() * point;
   const double depth = -c.z();
-  const double scale = height / (2 * std::tan(fov / 2) * depth);
-  return {width / 2.0 + c.x() * scale, height / 2.0 - c.y() * scale, depth};
+  const double scale = rows / (orthographic() ? height : 2 * std::tan(fov / 2) * depth);
+  return {width / 2.0 + c.x() * scale, rows / 2.0 - c.y() * scale, depth};
 }
 
 const std::vector<std::string>& view_names() {
-  static const std::vector<std::string> names{"iso", "front", "side", "top"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& [name, view] : named_views()) all.push_back(name);
+    return all;
+  }();
   return names;
 }
 
-Camera auto_frame(const Bounds& box, const std::string& view, double aspect) {
-  Eigen::Vector3d towards, up{0, 0, 1};  // from the box to the eye
-  if (view == "iso") {
-    towards = {1.0, -0.84, 0.56};
-  } else if (view == "front") {
-    towards = {1, 0, 0.12};
-  } else if (view == "side") {
-    towards = {0, -1, 0.12};
-  } else if (view == "top") {
-    towards = {0, 0, 1};
-    up = {0, 1, 0};
-  } else {
-    std::string known;
-    for (const std::string& name : view_names()) known += (known.empty() ? "" : ", ") + name;
-    throw std::invalid_argument("camera: unknown view '" + view + "' (known: " + known + ")");
+View view_from_name(const std::string& name) {
+  std::string known;
+  for (const auto& [each, view] : named_views()) {
+    if (each == name) return view;
+    known += (known.empty() ? "" : ", ") + each;
   }
+  throw std::invalid_argument("camera: unknown view '" + name + "' (known: " + known + ")");
+}
+
+Camera auto_frame(const Bounds& box, const View& view, double aspect) {
   if (!(aspect > 0.01 && aspect < 100))
     throw std::invalid_argument("camera: aspect must be between 0.01 and 100");
-
+  if (!std::isfinite(view.azimuth) || !(std::abs(view.elevation) <= M_PI / 2) || !std::isfinite(view.turn))
+    throw std::invalid_argument("camera: azimuth and turn must be finite, elevation between -pi/2 and pi/2");
+  if (!(view.distance > 0.01 && view.distance < 100))
+    throw std::invalid_argument("camera: distance is a factor between 0.01 and 100");
   Bounds b = box;
-  if (b.isEmpty()) b = Bounds(Eigen::Vector3d(-.5, -.5, 0), Eigen::Vector3d(.5, .5, 1));
+  if (b.isEmpty()) b = Bounds(Vector3d(-.5, -.5, 0), Vector3d(.5, .5, 1));
   if (!b.min().allFinite() || !b.max().allFinite())
     throw std::invalid_argument("camera: the box to frame is not finite");
 
-  // The nearest eye on this line of sight from which every corner lies inside the picture, less a margin. The
-  // first pass frames the corners around the box's centre; the second also centres what the first one saw.
-  constexpr double kMargin = 1.08;
-  Camera camera;
-  camera.up = up;
-  camera.target = b.center();
+  const double ca = std::cos(view.azimuth), sa = std::sin(view.azimuth);
+  const double ce = std::cos(view.elevation), se = std::sin(view.elevation);
+  const Vector3d towards(ce * ca, ce * sa, se);  // from the box to the eye
   const double radius = std::max(b.diagonal().norm() / 2, 1e-3);
+  const std::vector<Vector3d> points = must_see(b, view.turn != 0);
+  Camera camera;
+  camera.up = {-se * ca, -se * sa, ce};
+  camera.target = b.center();
+  camera.eye = camera.target + towards * 4 * radius;
+
+  // The nearest eye on this line of sight from which every point lies inside the picture, less a margin. Each
+  // pass also centres what the one before saw; an orbit keeps to its axis.
   const double tan_y = std::tan(camera.fov / 2) / kMargin, tan_x = tan_y * aspect;
-  camera.eye = camera.target + towards.normalized() * 4 * radius;
+  double distance = 0, extent = 0;
   for (int pass = 0; pass < 4; ++pass) {
     const Eigen::Isometry3d to_camera = camera.view();
-    double lo_x = 1e300, hi_x = -1e300, lo_y = 1e300, hi_y = -1e300, distance = 0;
     const double middle = -(to_camera * camera.target).z();
-    for (int i = 0; i < 8; ++i) {
-      const Eigen::Vector3d c = to_camera * b.corner(static_cast<Bounds::CornerType>(i));
+    Eigen::AlignedBox2d seen;  // at the target's depth
+    distance = extent = 0;
+    for (const Vector3d& point : points) {
+      const Vector3d c = to_camera * point;
       const double depth = -c.z(), towards_eye = middle - depth;
-      lo_x = std::min(lo_x, c.x() / depth), hi_x = std::max(hi_x, c.x() / depth);
-      lo_y = std::min(lo_y, c.y() / depth), hi_y = std::max(hi_y, c.y() / depth);
+      seen.extend(c.head<2>() * (view.orthographic ? 1 : middle / depth));
       distance =
           std::max({distance, towards_eye + std::abs(c.x()) / tan_x, towards_eye + std::abs(c.y()) / tan_y});
+      extent = std::max({extent, std::abs(c.y()), std::abs(c.x()) / aspect});
     }
     distance = std::max(distance, 1.05 * radius);
-    const Eigen::Vector3d shift = to_camera.linear().transpose() *
-                                  Eigen::Vector3d((lo_x + hi_x) / 2 * middle, (lo_y + hi_y) / 2 * middle, 0);
-    if (pass < 3) camera.target += shift;
-    camera.eye = camera.target + towards.normalized() * distance;
+    if (pass < 3 && view.turn == 0) {
+      const Eigen::Vector2d off = seen.center();
+      camera.target += to_camera.linear().transpose() * Vector3d(off.x(), off.y(), 0);
+    }
+    camera.eye = camera.target + towards * (view.orthographic ? 4 * radius : distance);
   }
+  if (view.orthographic)
+    camera.height = 2 * kMargin * std::max(extent, 1e-3) * view.distance;
+  else
+    camera.eye = camera.target + towards * distance * view.distance;
   return camera;
+}
+
+Camera auto_frame(const Bounds& box, const std::string& view, double aspect) {
+  return auto_frame(box, view_from_name(view), aspect);
+}
+
+Camera turned(const Camera& camera, double radians) {
+  const Eigen::AngleAxisd turn(radians, Vector3d::UnitZ());
+  return moved(camera, Eigen::Translation3d(camera.target) * turn * Eigen::Translation3d(-camera.target));
+}
+
+Camera moved(const Camera& camera, const Eigen::Isometry3d& motion) {
+  Camera out = camera;
+  out.eye = motion * camera.eye;
+  out.target = motion * camera.target;
+  out.up = motion.linear() * camera.up;
+  return out;
 }
 
 }  // namespace lab::render

@@ -1,6 +1,6 @@
-// Where OpenGL comes from. One implementation today (OSMesa: software, no display, no GPU); EGL surfaceless
-// can take its place behind the same three calls. Everything is drawn into frame buffer objects, so a context
-// needs no surface.
+// Where OpenGL comes from, without a screen: OSMesa (software), or EGL on Mesa's surfaceless platform (software
+// too where there is no GPU; OSMesa has left Mesa in 25.1). Both are looked for at run time. Everything is
+// drawn into frame buffer objects, so a context needs no surface.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,9 @@ class Context {
   virtual void make_current() = 0;  // for the calling thread; throws std::runtime_error
   virtual std::string name() const = 0;
 
-  // A core profile context of at least OpenGL 3.3. Throws std::runtime_error that says what was tried.
+  // A core profile context of at least OpenGL 3.3: OSMesa if it can be had, else EGL; the environment variable
+  // LAB_GL=osmesa or LAB_GL=egl allows only that one. The first choice holds for the whole process. Throws
+  // std::runtime_error, one line that says what was tried and what each answered.
   static std::unique_ptr<Context> create();
 };
 

@@ -56,13 +56,18 @@ Program::Program(const char* name, const std::string& defines, const char* verte
 }
 
 int Program::location(const char* uniform) const {
+  const auto known = places_.find(uniform);
+  if (known != places_.end()) return known->second;
   const int place = glGetUniformLocation(id_, uniform);
   if (place < 0) throw std::logic_error(std::string("shader ") + name_ + " has no uniform " + uniform);
-  return place;
+  return places_[uniform] = place;
 }
 
 void Program::set(const char* uniform, float value) const { glUniform1f(location(uniform), value); }
 void Program::set(const char* uniform, int value) const { glUniform1i(location(uniform), value); }
+void Program::set(const char* uniform, const std::vector<Eigen::Vector2f>& values) const {
+  glUniform2fv(location(uniform), static_cast<int>(values.size()), values.front().data());
+}
 void Program::set(const char* uniform, const Eigen::Vector3f& value) const {
   glUniform3fv(location(uniform), 1, value.data());
 }
@@ -101,57 +106,6 @@ unsigned make_framebuffer(unsigned colour, unsigned depth) {
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw std::runtime_error("OpenGL gives no frame buffer of the wanted size");
   return id;
-}
-
-namespace {
-
-Buffers upload(const MeshPtr& mesh) {
-  std::vector<float> data;
-  data.reserve(mesh->positions.size() * 6);
-  for (size_t i = 0; i < mesh->positions.size(); ++i) {
-    data.insert(data.end(), mesh->positions[i].data(), mesh->positions[i].data() + 3);
-    data.insert(data.end(), mesh->normals[i].data(), mesh->normals[i].data() + 3);
-  }
-  Buffers b;
-  b.alive = mesh;
-  glGenVertexArrays(1, &b.array);
-  glBindVertexArray(b.array);
-  glGenBuffers(1, &b.vertices);
-  glBindBuffer(GL_ARRAY_BUFFER, b.vertices);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(float)), data.data(),
-               GL_STATIC_DRAW);
-  glGenBuffers(1, &b.indices);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, b.indices);
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh->indices.size() * sizeof(uint32_t)),
-               mesh->indices.data(), GL_STATIC_DRAW);
-  for (unsigned i = 0; i < 2; ++i) {
-    glEnableVertexAttribArray(i);
-    glVertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, 6 * sizeof(float),
-                          reinterpret_cast<void*>(i * 3 * sizeof(float)));
-  }
-  check_gl("upload of a mesh");
-  return b;
-}
-
-}  // namespace
-
-const Buffers& MeshStore::get(const MeshPtr& mesh) {
-  const auto it = meshes_.find(mesh.get());
-  if (it != meshes_.end()) return it->second;
-  return meshes_.emplace(mesh.get(), upload(mesh)).first->second;
-}
-
-void MeshStore::forget_dead() {
-  for (auto it = meshes_.begin(); it != meshes_.end();) {
-    if (!it->second.alive.expired()) {
-      ++it;
-      continue;
-    }
-    glDeleteVertexArrays(1, &it->second.array);
-    glDeleteBuffers(1, &it->second.vertices);
-    glDeleteBuffers(1, &it->second.indices);
-    it = meshes_.erase(it);
-  }
 }
 
 }  // namespace lab::render

@@ -1,17 +1,12 @@
-// OpenGL 3.3 core as used by the renderer: the entry points (exported by libOSMesa), shader programs, error
-// texts.
+// OpenGL 3.3 core as used by the renderer: the entry points, shader programs, error texts.
 #pragma once
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/gl.h>
-#include <GL/glext.h>
-
 #include <Eigen/Core>
-#include <memory>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
-#include "render/mesh.h"
+#include "render/gl_entry.h"
 
 namespace lab::render {
 
@@ -28,6 +23,7 @@ class Program {
   void use() const { glUseProgram(id_); }
   void set(const char* uniform, float value) const;
   void set(const char* uniform, int value) const;
+  void set(const char* uniform, const std::vector<Eigen::Vector2f>& values) const;  // an array
   void set(const char* uniform, const Eigen::Vector3f& value) const;
   void set(const char* uniform, const Eigen::Vector4f& value) const;
   void set(const char* uniform, const Eigen::Matrix3f& value) const;
@@ -36,27 +32,12 @@ class Program {
  private:
   int location(const char* uniform) const;
   const char* name_;
-  unsigned id_ = 0;  // dies with its context
+  unsigned id_ = 0;                                      // dies with its context
+  mutable std::unordered_map<std::string, int> places_;  // of uniforms: asking GL again and again is slow
 };
 
 // Both throw std::runtime_error when GL cannot. 0 stands for "none".
 unsigned make_texture(int width, int height, unsigned inner, unsigned format, unsigned type);
 unsigned make_framebuffer(unsigned colour, unsigned depth);
-
-// A mesh on the GL side: interleaved positions and normals, indices.
-struct Buffers {
-  std::weak_ptr<const Mesh> alive;  // expired when nobody else holds the mesh any more
-  unsigned array = 0, vertices = 0, indices = 0;
-};
-
-class MeshStore {
- public:
-  const Buffers& get(const MeshPtr& mesh);  // uploads at first sight
-  // A new mesh may get the address of a dead one: call this before get() in every frame.
-  void forget_dead();
-
- private:
-  std::unordered_map<const Mesh*, Buffers> meshes_;
-};
 
 }  // namespace lab::render

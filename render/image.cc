@@ -9,6 +9,18 @@
 
 namespace lab::render {
 
+std::vector<uint16_t> quantized(const std::vector<float>& depth, double unit) {
+  if (!(unit > 0) || !std::isfinite(unit))
+    throw std::invalid_argument("quantized: the unit must be positive and finite");
+  std::vector<uint16_t> out;
+  out.reserve(depth.size());
+  for (float metres : depth) {
+    const double units = std::round(metres / unit);
+    out.push_back(units >= 0 && units <= 65535 ? static_cast<uint16_t>(units) : 0);
+  }
+  return out;
+}
+
 void draw_text(Image& image, int x, int y, const std::string& text, int scale, const uint8_t (&colour)[3]) {
   for (size_t i = 0; i < text.size(); ++i) {
     const int code = static_cast<unsigned char>(text[i]);

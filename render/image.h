@@ -18,6 +18,19 @@ struct Image {
   const uint8_t* at(int x, int y) const { return rgb.data() + (static_cast<size_t>(y) * width + x) * 3; }
 };
 
+// What a camera measures, one value a pixel, exactly at its centre: no anti-aliasing. Rows from the top.
+struct Measurement {
+  int width = 0, height = 0;
+  std::vector<float> depth;  // metres along the view direction; infinity where nothing is seen
+  std::vector<uint16_t> id;  // Part::id of what is seen; 0 = floor or nothing
+
+  size_t at(int x, int y) const { return static_cast<size_t>(y) * width + x; }
+};
+
+// Depth as whole numbers of `unit` metres, rounded: 0 where nothing is seen or it does not fit (0.001:
+// millimetres, up to 65.535 m). For write_png16.
+std::vector<uint16_t> quantized(const std::vector<float>& depth, double unit = 0.001);
+
 // Writes `text` with its top left corner at (x, y), in a built-in 5x7 bitmap font enlarged `scale` times;
 // clipped at the edges. One character is 6 * scale wide and 7 * scale high. What the font lacks is drawn as a
 // box.

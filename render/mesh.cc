@@ -1,7 +1,6 @@
 #include "render/mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -14,7 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-using Eigen::Vector4f;
 
 // Bytes of a position as a hash key; -0 is folded into 0 so that both weld.
 struct PositionHash {
@@ -183,17 +181,28 @@ std::vector<Vector3f> made_normals(const Welded& w, Groups& smooth) {
   return normals;
 }
 
-// Corners at one point with (nearly) one normal become one vertex; returns the vertex of each corner.
-std::vector<uint32_t> share_vertices(const Welded& w, const std::vector<Vector3f>& normals, Mesh& mesh) {
+// Corners at one point with (nearly) one normal and one place in the texture become one vertex; returns the
+// vertex of each corner.
+std::vector<uint32_t> share_vertices(const Welded& w, const Soup& soup, const std::vector<Vector3f>& normals,
+                                     Mesh& mesh) {
+  const bool textured =
+      !soup.uvs.empty() && std::any_of(soup.looks.begin(), soup.looks.end(),
+                                       [](const Surface& s) { return s.texture != nullptr; });
+  const auto uv_of = [&](uint32_t c) -> Eigen::Vector2f {
+    return textured ? soup.uvs[soup.indices[3 * w.source[c / 3] + c % 3]] : Eigen::Vector2f::Zero();
+  };
   constexpr uint32_t kNone = ~0u;
   std::vector<uint32_t> first(w.points.size(), kNone), next, vertex_of;
   for (uint32_t c = 0; c < w.corners.size(); ++c) {
     uint32_t v = first[w.corners[c]];
-    while (v != kNone && (mesh.normals[v] - normals[c]).squaredNorm() > 1e-6f) v = next[v];
+    while (v != kNone &&
+           ((mesh.normals[v] - normals[c]).squaredNorm() > 1e-6f || (textured && mesh.uvs[v] != uv_of(c))))
+      v = next[v];
     if (v == kNone) {
       v = static_cast<uint32_t>(mesh.positions.size());
       mesh.positions.push_back(w.points[w.corners[c]]);
       mesh.normals.push_back(normals[c]);
+      if (textured) mesh.uvs.push_back(uv_of(c));
       mesh.bounds.extend(mesh.positions.back().cast<double>());
       next.push_back(first[w.corners[c]]);
       first[w.corners[c]] = v;
@@ -208,8 +217,12 @@ std::vector<uint32_t> share_vertices(const Welded& w, const std::vector<Vector3f
 MeshPtr make_mesh(const Soup& soup, double crease) {
   if (soup.indices.size() % 3 != 0)
     throw std::invalid_argument("the number of indices is not a multiple of three");
-  if (!soup.triangle_rgba.empty() && soup.triangle_rgba.size() != soup.indices.size() / 3)
-    throw std::invalid_argument("colours and triangles differ in number");
+  if (!soup.triangle_look.empty() && soup.triangle_look.size() != soup.indices.size() / 3)
+    throw std::invalid_argument("looks and triangles differ in number");
+  for (uint32_t look : soup.triangle_look)
+    if (look >= soup.looks.size()) throw std::invalid_argument("a triangle has a look that is not there");
+  if (!soup.uvs.empty() && soup.uvs.size() != soup.positions.size())
+    throw std::invalid_argument("texture coordinates and positions differ in number");
   if (!soup.normals.empty() && soup.normals.size() != soup.positions.size())
     throw std::invalid_argument("normals and positions differ in number");
   Welded w = weld(soup);
@@ -269,38 +282,35 @@ MeshPtr make_mesh(const Soup& soup, double crease) {
   std::vector<Vector3f> normals = given_normals(w, soup);
   if (normals.empty()) normals = made_normals(w, smooth);
   auto mesh = std::make_shared<Mesh>();
-  const std::vector<uint32_t> vertex_of = share_vertices(w, normals, *mesh);
+  const std::vector<uint32_t> vertex_of = share_vertices(w, soup, normals, *mesh);
 
-  // Triangles in runs of one colour and sidedness, in the order in which these first appear.
+  // Triangles in runs of one look and sidedness, in the order in which these first appear.
   struct Run {
-    Vector4f rgba;
-    bool two_sided;
+    Surface surface;
     std::vector<uint32_t> triangles;
   };
   std::vector<Run> runs;
-  std::map<std::array<float, 5>, size_t> run_of;
+  std::map<std::pair<uint32_t, bool>, size_t> run_of;
   for (uint32_t t = 0; t < count; ++t) {
-    const Vector4f rgba =
-        soup.triangle_rgba.empty() ? Vector4f(-1, 0, 0, 0) : soup.triangle_rgba[w.source[t]];
+    const uint32_t look = soup.triangle_look.empty() ? 0 : soup.triangle_look[w.source[t]];
     const bool two_sided = open[pieces.find(t)];
-    const std::array<float, 5> key{rgba[0], rgba[1], rgba[2], rgba[3], two_sided ? 1.f : 0.f};
-    const auto [it, fresh] = run_of.try_emplace(key, runs.size());
-    if (fresh) runs.push_back({rgba, two_sided, {}});
+    const auto [it, fresh] = run_of.try_emplace({look, two_sided}, runs.size());
+    if (fresh) {
+      runs.push_back({soup.triangle_look.empty() ? Surface{} : soup.looks[look], {}});
+      runs.back().surface.two_sided = two_sided;
+      if (mesh->uvs.empty()) runs.back().surface.texture = nullptr;
+    }
     runs[it->second].triangles.push_back(t);
   }
-  for (const Run& run : runs) {
-    Surface surface;
-    surface.first = static_cast<uint32_t>(mesh->indices.size());
-    surface.count = static_cast<uint32_t>(run.triangles.size() * 3);
-    surface.two_sided = run.two_sided;
-    surface.coloured = run.rgba[0] >= 0;
-    if (surface.coloured) surface.rgba = run.rgba;
+  for (Run& run : runs) {
+    run.surface.first = static_cast<uint32_t>(mesh->indices.size());
+    run.surface.count = static_cast<uint32_t>(run.triangles.size() * 3);
     for (uint32_t t : run.triangles) {
       mesh->indices.push_back(vertex_of[3 * t]);
       mesh->indices.push_back(vertex_of[3 * t + (turned[t] ? 2 : 1)]);
       mesh->indices.push_back(vertex_of[3 * t + (turned[t] ? 1 : 2)]);
     }
-    mesh->surfaces.push_back(surface);
+    mesh->surfaces.push_back(run.surface);
   }
   return mesh;
 }

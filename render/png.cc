@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <csetjmp>
 #include <cstdio>
@@ -50,7 +51,16 @@ void on_read(png_structp png, png_bytep data, size_t size) {
   job->read += size;
 }
 
-bool encode(Job* job, const Image& image, png_text* texts, int text_count) {
+// What encode() writes: rows of 8-bit colours or 16-bit greys of this machine's byte order.
+struct Pixels {
+  int width, height, bits;
+  const uint8_t* first;
+  size_t size;  // of all rows together, bytes
+
+  size_t stride() const { return size / static_cast<size_t>(height); }
+};
+
+bool encode(Job* job, const Pixels& pixels, png_text* texts, int text_count) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, job, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   if (!info || setjmp(png_jmpbuf(png))) {
@@ -58,13 +68,15 @@ bool encode(Job* job, const Image& image, png_text* texts, int text_count) {
     return false;
   }
   png_set_write_fn(png, job, on_write, nullptr);
-  png_set_IHDR(png, info, image.width, image.height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+  png_set_IHDR(png, info, pixels.width, pixels.height, pixels.bits,
+               pixels.bits == 16 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(png, 1);
   png_set_filter(png, 0, PNG_FILTER_SUB);
   if (text_count > 0) png_set_text(png, info, texts, text_count);
   png_write_info(png, info);
-  for (int y = 0; y < image.height; ++y) png_write_row(png, image.at(0, y));
+  if (pixels.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
+  for (int y = 0; y < pixels.height; ++y) png_write_row(png, pixels.first + y * pixels.stride());
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
   return true;
@@ -110,11 +122,12 @@ bool decode(Job* job, PngFile* out) {
 
 std::string reason(int error) { return std::strerror(error); }
 
-void check(const Image& image, const PngTexts& texts) {
-  if (image.width < 1 || image.height < 1 || image.width > 32767 || image.height > 32767 ||
-      image.rgb.size() != static_cast<size_t>(image.width) * image.height * 3)
-    throw std::invalid_argument("png: a picture of " + std::to_string(image.width) + " x " +
-                                std::to_string(image.height) + " with " + std::to_string(image.rgb.size()) +
+void check(const Pixels& pixels, const PngTexts& texts) {
+  const size_t bytes_each = pixels.bits == 16 ? 2 : 3;
+  if (pixels.width < 1 || pixels.height < 1 || pixels.width > 32767 || pixels.height > 32767 ||
+      pixels.size != static_cast<size_t>(pixels.width) * pixels.height * bytes_each)
+    throw std::invalid_argument("png: a picture of " + std::to_string(pixels.width) + " x " +
+                                std::to_string(pixels.height) + " with " + std::to_string(pixels.size) +
                                 " bytes cannot be written");
   for (const auto& [key, value] : texts) {
     const bool printable = std::all_of(key.begin(), key.end(), [](char c) { return c >= 32 && c <= 126; });
@@ -131,7 +144,7 @@ int write_file(const std::string& path, const std::string& bytes) {
   if (fd < 0) return errno;
   int error = 0;
   for (size_t done = 0; done < bytes.size() && error == 0;) {
-    const ssize_t n = write(fd, bytes.data() + done, bytes.size() - done);
+    const ssize_t n = ::write(fd, bytes.data() + done, bytes.size() - done);
     if (n >= 0) {
       done += static_cast<size_t>(n);
     } else if (errno != EINTR) {
@@ -142,10 +155,8 @@ int write_file(const std::string& path, const std::string& bytes) {
   return error;
 }
 
-}  // namespace
-
-void write_png(const std::string& path, const Image& image, const PngTexts& texts) {
-  check(image, texts);
+void write(const std::string& path, const Pixels& pixels, const PngTexts& texts) {
+  check(pixels, texts);
   std::vector<png_text> chunks;
   for (const auto& [key, value] : texts) {
     png_text chunk{};
@@ -156,8 +167,8 @@ void write_png(const std::string& path, const Image& image, const PngTexts& text
     chunks.push_back(chunk);
   }
   Job job;
-  job.bytes.reserve(image.rgb.size() / 2);
-  if (!encode(&job, image, chunks.data(), static_cast<int>(chunks.size())))
+  job.bytes.reserve(pixels.size / 2);
+  if (!encode(&job, pixels, chunks.data(), static_cast<int>(chunks.size())))
     throw std::runtime_error(path + ": cannot encode PNG: " + (job.error[0] ? job.error : "out of memory"));
 
   const std::filesystem::path target(path);
@@ -170,6 +181,17 @@ void write_png(const std::string& path, const Image& image, const PngTexts& text
     std::remove(part.c_str());
     throw std::runtime_error(path + ": cannot write picture: " + reason(error));
   }
+}
+
+}  // namespace
+
+void write_png(const std::string& path, const Image& image, const PngTexts& texts) {
+  write(path, {image.width, image.height, 8, image.rgb.data(), image.rgb.size()}, texts);
+}
+
+void write_png16(const std::string& path, int width, int height, const std::vector<uint16_t>& values,
+                 const PngTexts& texts) {
+  write(path, {width, height, 16, reinterpret_cast<const uint8_t*>(values.data()), 2 * values.size()}, texts);
 }
 
 PngFile read_png(const std::string& path) {

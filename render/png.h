@@ -19,6 +19,10 @@ using PngTexts =
 // disk full); std::invalid_argument for an empty or inconsistent image or a text that PNG cannot hold.
 void write_png(const std::string& path, const Image& image, const PngTexts& texts = {});
 
+// The same for one 16-bit grey value a pixel: depths and ids.
+void write_png16(const std::string& path, int width, int height, const std::vector<uint16_t>& values,
+                 const PngTexts& texts = {});
+
 struct PngFile {
   Image image;
   PngTexts texts;

@@ -103,6 +103,19 @@ MeshPtr make_cylinder(double radius, double length, int segments) {
   return b.done();
 }
 
+MeshPtr make_cone(double radius, double length, int segments) {
+  need(positive(radius) && positive(length), "cone: radius and length must be positive and finite");
+  need(segments >= 3 && segments <= 1024, "cone: segments must be 3..1024");
+  const double slant = std::hypot(radius, length), nr = length / slant, nz = radius / slant;
+  Builder b;
+  // At the tip every segment has a normal of its own: a ring of no size instead of a point.
+  const Ring side[] = {{1e-9 * radius, length, nr, nz}, {radius, 0, nr, nz}};
+  const Ring base[] = {{radius, 0, 0, -1}, {0, 0, 0, -1}};
+  revolve(b, side, segments);
+  revolve(b, base, segments);
+  return b.done();
+}
+
 MeshPtr make_capsule(double radius, double length, int segments) {
   need(positive(radius) && length >= 0 && std::isfinite(length),
        "capsule: radius must be positive, length not negative, both finite");

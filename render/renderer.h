@@ -35,6 +35,9 @@ class Renderer {
   Image draw(const Scene& scene, const Camera& camera);
   void draw(const Scene& scene, const Camera& camera, Image& out);  // keeps out's memory
 
+  // Depth and ids of the same view. Annotations are left out, translucent bodies count as solid.
+  Measurement measure(const Scene& scene, const Camera& camera);
+
   // Who draws, for manifests: "OSMesa, llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa 22.3.6".
   const std::string& gl_info() const;
 

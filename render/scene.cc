@@ -22,4 +22,14 @@ Bounds bounds(const Scene& scene) {
   return all;
 }
 
+std::vector<Body> ghost(std::vector<Body> bodies, int group, const Eigen::Vector4f& tint, float opacity) {
+  for (Body& body : bodies) {
+    body.tint = tint;
+    body.opacity = opacity;
+    body.group = group;
+    body.casts_shadow = false;
+  }
+  return bodies;
+}
+
 }  // namespace lab::render

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Part {
   Eigen::Vector4f rgba =
       Eigen::Vector4f(.75f, .76f, .78f, 1);  // of surfaces that bring no colour of their own
   bool repaint = false;                      // rgba also replaces the mesh's own colours
+  uint16_t id = 0;  // its pixels in the id image; 0 = as the background and the floor
 };
 
 struct Body {
@@ -26,6 +28,12 @@ struct Body {
   std::vector<Part> parts;
   bool visible = true;
   bool casts_shadow = true;
+  bool annotation = false;  // something said about the scene (trace, arrow): not in depth and id images
+  Eigen::Vector4f tint{1, 1, 1, 0};  // rgb laid over the body's colours; alpha = how much of it
+  float opacity = 1;                 // of the body as a whole
+  // Translucent bodies of one group other than 0 are one piece of glass: a ghost robot shows no inside and no
+  // joints between its links. A body of group 0 is a piece of its own.
+  int group = 0;
 };
 
 struct Light {
@@ -44,6 +52,9 @@ struct Scene {
   Light light;
   Ground ground;
 };
+
+// The bodies as one translucent, tinted robot without a shadow: `group` must differ from ghost to ghost.
+std::vector<Body> ghost(std::vector<Body> bodies, int group, const Eigen::Vector4f& tint, float opacity);
 
 // World box around all visible bodies (boxes of boxes: never too small, sometimes too large). Empty if there
 // are none.

@@ -35,7 +35,7 @@ ShadowView fit_shadow(const Scene& scene, const Vector3d& sun) {
   if (seen.isEmpty()) seen = Bounds(Vector3d::Constant(-1), Vector3d::Constant(1));
   const Vector3d centre = seen.center();
   view.side = 1.06 * std::max({seen.sizes().x(), seen.sizes().y(), 1e-3});
-  const double depth = 1.1 * std::max(seen.sizes().z(), 1e-3);
+  const double depth = view.depth = 1.1 * std::max(seen.sizes().z(), 1e-3);
   Eigen::Matrix4d fit = Eigen::Matrix4d::Identity();
   fit(0, 0) = fit(1, 1) = 2 / view.side;
   fit(2, 2) = -2 / depth;  // clip space looks along +z

@@ -72,6 +72,15 @@ double loop_ratio(const rbd::Model& model, rbd::Data& data, const controller::Co
 
 }  // namespace
 
+std::vector<Eigen::VectorXd> planned_poses(const Experiment& e, const rbd::Model& model, int count) {
+  const planner::Config plan = planner::make_config(e, model);
+  planner::State state = planner::initial(plan);
+  std::vector<Eigen::VectorXd> poses;
+  for (int i = 0; i < count; ++i)
+    poses.push_back(planner::step(plan, state, {.step = e.last_step() * i / std::max(count - 1, 1)}).reference.q);
+  return poses;
+}
+
 double stability_ratio(const Eigen::MatrixXd& A, const Eigen::MatrixXd& D, double h) {
   const Eigen::MatrixXd change = h * D + (h * h / 2) * A;
   const Eigen::VectorXcd values = change.eigenvalues();
@@ -94,6 +103,8 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   const controller::Config control = ours ? controller::make_config(e, model) : controller::Config();
   check_expect(e, model);
   check_evaluation(e, model);
+  if (!e.renderer.trace.empty()) named_frame(e, "renderer.trace", e.renderer.trace, model);
+  if (!e.renderer.follow.empty()) named_frame(e, "renderer.follow", e.renderer.follow, model);
 
   std::vector<std::string> warnings = robot.warnings;
   for (int i = 0; i < model.nv; ++i)

@@ -11,6 +11,9 @@ namespace lab {
 /// warnings for what can run but probably should not, each one line: unstable gains, speeds beyond limits, ..
 std::vector<std::string> check(const Experiment&, const Robot&);
 
+/// Configurations along what is planned, first and last step included: `count` of them, evenly in time.
+std::vector<Eigen::VectorXd> planned_poses(const Experiment&, const rbd::Model&, int count);
+
 /// How close a sampled control loop is to instability: 1 = the limit, beyond which it explodes. With x'' = A x + D x'
 /// around the reference (no matter where they come from), stepped with time h: half the largest |eigenvalue| of
 /// h D + h^2 A / 2. That is exact for the mode that alternates from step to step, which is what stiff gains do.

@@ -151,7 +151,13 @@ struct Experiment {
     double fps = 20;  ///< pictures per second of simulation time
     std::array<int64_t, 2> size{640, 480};
     std::string camera = "iso";
+    bool orthographic = false;  ///< no perspective
+    double orbit = 0;           ///< rad/s: the camera goes round
+    std::string follow;         ///< frame that the camera goes along with
     std::string quality = "live";
+    int64_t ghost = 0;          ///< poses in ghost.png; 0 = no such picture
+    std::string trace;          ///< frame whose way is drawn
+    bool reference = false;     ///< what is wanted is drawn too
     bool operator==(const Renderer&) const = default;
   } renderer;
 

@@ -116,12 +116,22 @@ std::string joint_fault(const rbd::Model& model, const std::string& name) {
   return "'" + model.name + "' has no such joint" + (near.empty() ? "; it has " + list_of(names) : near);
 }
 
-std::string frame_fault(const rbd::Model& model, const std::string& name) {
-  if (model.existFrame(name))
-    return model.frames[model.frameId(name)].parentJoint > 0 ? "" : "frame '" + name + "' stands on the ground; name one that moves";
+namespace {
+std::string no_frame(const rbd::Model& model, const std::string& name) {
   std::vector<std::string> names;
   for (const rbd::Frame& frame : model.frames) names.push_back(frame.name);
   return "no frame '" + name + "'" + did_you_mean(name, names);
+}
+}  // namespace
+
+rbd::FrameIndex named_frame(const Experiment& experiment, const std::string& key, const std::string& name, const rbd::Model& model) {
+  if (!model.existFrame(name)) fail(experiment, key, no_frame(model, name));
+  return model.frameId(name);
+}
+
+std::string frame_fault(const rbd::Model& model, const std::string& name) {
+  if (!model.existFrame(name)) return no_frame(model, name);
+  return model.frames[model.frameId(name)].parentJoint > 0 ? "" : "frame '" + name + "' stands on the ground; name one that moves";
 }
 
 const std::string& joint_at(const rbd::Model& model, int i) {

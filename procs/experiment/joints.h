@@ -28,6 +28,9 @@ Eigen::VectorXd configuration(const Experiment&, const std::string& key, const J
 /// several degrees of freedom, or does not exist. "" if it can.
 std::string joint_fault(const rbd::Model&, const std::string& name);
 
+/// The frame that a key names. Throws ExperimentError with near names if there is none.
+rbd::FrameIndex named_frame(const Experiment&, const std::string& key, const std::string& name, const rbd::Model&);
+
 /// Why a frame cannot be pushed, loaded or led somewhere: it does not exist, or stands on the ground. "" if it can.
 std::string frame_fault(const rbd::Model&, const std::string& name);
 

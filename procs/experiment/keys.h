@@ -198,6 +198,11 @@ void for_each_key(E& e, F&& f) {
       {"iso", "front", "side", "top"},
       false},
     e.renderer.camera);
+  f(K{"renderer.orthographic", "", "false", "`true`: without perspective", -kInf, kInf, {}, false}, e.renderer.orthographic);
+  f(K{"renderer.orbit", "rad/s", "0", "the camera goes round the robot at this speed, seen from above", -100, 100, {}, false},
+    e.renderer.orbit);
+  f(K{"renderer.follow", "", "nothing", "frame that the camera goes along with, without turning", -kInf, kInf, {}, false},
+    e.renderer.follow);
   f(K{"renderer.quality",
       "",
       "live",
@@ -207,6 +212,13 @@ void for_each_key(E& e, F&& f) {
       {"draft", "live", "fine"},
       false},
     e.renderer.quality);
+
+  f(K{"renderer.ghost", "", "0", "`ghost.png` shows the way in this many poses; 0: no such picture", 0, 100, {}, false},
+    e.renderer.ghost);
+  f(K{"renderer.trace", "", "nothing", "frame whose way is drawn, from blue to red as time goes by", -kInf, kInf, {}, false},
+    e.renderer.trace);
+  f(K{"renderer.reference", "", "false", "`true`: the wanted pose is drawn as a green ghost", -kInf, kInf, {}, false},
+    e.renderer.reference);
 
   f(K{"safety.timeout", "s", "0.02", "real time: a command made from an older state is stale, and the robot is held", kTiny, 10},
     e.safety.timeout);

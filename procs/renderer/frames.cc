@@ -3,12 +3,40 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <stdexcept>
 
 #include "render/png.h"
 
 namespace lab::renderer {
+namespace {
+
+constexpr size_t kCells = 12;  // of a contact sheet made of frames
+
+/// As render::write_png: the final name is taken only by a whole file.
+void write_floats(const std::string& path, const std::vector<float>& values) {
+  const std::filesystem::path target(path);
+  const std::string part = (target.parent_path() / ("." + target.filename().string() + ".part")).string();
+  std::FILE* file = std::fopen(part.c_str(), "wb");
+  int error = file ? 0 : errno;
+  if (file && std::fwrite(values.data(), sizeof(float), values.size(), file) != values.size()) error = errno;
+  if (file && std::fclose(file) != 0 && error == 0) error = errno;
+  if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
+  if (error == 0) return;
+  std::remove(part.c_str());
+  throw std::runtime_error(path + ": cannot write depths: " + std::strerror(error));
+}
+
+render::PngTexts with(render::PngTexts first, const render::PngTexts& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+}  // namespace
 
 std::vector<int64_t> steps_at_rate(double fps, double dt, int64_t last_step) {
   std::vector<int64_t> steps;
@@ -21,33 +49,62 @@ std::vector<int64_t> steps_at_rate(double fps, double dt, int64_t last_step) {
   return steps;
 }
 
-FrameFolder::FrameFolder(std::string folder, std::vector<std::pair<std::string, std::string>> about)
-    : folder_(std::move(folder)), about_(std::move(about)) {
-  std::filesystem::create_directories(folder_);
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder + ": cannot make this folder: " + error.message());
 }
 
-std::string FrameFolder::write(const render::Image& image, int64_t step, double time) {
-  const std::string path = fmt::format("{}/{:04}.png", folder_, files_.size());
-  render::PngTexts texts = about_;
-  texts.emplace_back("step", std::to_string(step));
-  texts.emplace_back("time", fmt::format("{:.6f} s", time));
-  render::write_png(path, image, texts);
-  files_.push_back({path, time});
-  return path;
+std::string frame_path(const std::string& folder, int64_t index) { return fmt::format("{}/{:04}.png", folder, index); }
+
+FrameFolder::FrameFolder(std::string folder, render::PngTexts about) : folder_(std::move(folder)), about_(std::move(about)) {
+  make_folder(folder_);
 }
 
-void FrameFolder::write_contact_sheet(const std::string& path) const {
-  if (files_.empty()) return;
-  const size_t cells = std::min<size_t>(files_.size(), 12);
+void FrameFolder::write(int64_t index, Picture picture) {
+  encoder_.push([path = frame_path(folder_, index), picture = std::move(picture), about = about_] {
+    render::write_png(path, picture.image, with(about, picture.texts));
+  });
+}
+
+void FrameFolder::write_depth(int64_t index, const render::Measurement& seen, render::PngTexts texts) {
+  texts.emplace_back("unit", "0.001 m; 0 = nothing, or beyond 65.535 m");
+  encoder_.push([path = fmt::format("{}/{:04}.depth", folder_, index), w = seen.width, h = seen.height, depth = seen.depth,
+                 texts = with(about_, texts)] {
+    render::write_png16(path + ".png", w, h, render::quantized(depth, 0.001), texts);
+    write_floats(path + ".f32", depth);
+  });
+}
+
+void FrameFolder::write_ids(int64_t index, const render::Measurement& seen, render::PngTexts texts, const std::vector<std::string>& links) {
+  std::string names = "0 nothing";
+  for (size_t i = 1; i < links.size(); ++i) names += fmt::format(", {} {}", i, links[i]);
+  texts.emplace_back("links", names);
+  encoder_.push([path = fmt::format("{}/{:04}.id.png", folder_, index), w = seen.width, h = seen.height, id = seen.id,
+                 texts = with(about_, texts)] { render::write_png16(path, w, h, id, texts); });
+}
+
+render::Image thumbnail(const render::Image& image) { return image.width >= 480 ? render::shrink(image, image.width >= 1200 ? 3 : 2) : image; }
+
+void write_contact_sheet(const std::string& path, const std::vector<Stamped>& pictures, const render::PngTexts& about) {
   std::vector<render::Image> images;
   std::vector<std::string> labels;
+  for (const Stamped& each : pictures) images.push_back(each.image), labels.push_back(fmt::format("{:.2f} s", each.time));
+  const int columns = images.size() > 20 ? 0 : images.size() > 6 ? 4 : 3;
+  render::write_png(path, render::contact_sheet(images, labels, columns), about);
+}
+
+void write_contact_sheet_of(const std::string& path, const std::string& folder, const std::vector<double>& times) {
+  if (times.empty()) return;
+  render::PngTexts about = render::read_png(frame_path(folder, 0)).texts;
+  std::erase_if(about, [](const auto& text) { return text.first != "run" && text.first != "renderer"; });
+  const size_t cells = std::min(times.size(), kCells);
+  std::vector<Stamped> pictures;
   for (size_t i = 0; i < cells; ++i) {
-    const File& file = files_[cells == 1 ? 0 : i * (files_.size() - 1) / (cells - 1)];
-    const render::Image image = render::read_png(file.path).image;
-    images.push_back(image.width >= 480 ? render::shrink(image, 2) : image);
-    labels.push_back(fmt::format("{:.2f} s", file.time));
+    const size_t index = cells == 1 ? 0 : i * (times.size() - 1) / (cells - 1);
+    pictures.push_back({thumbnail(render::read_png(frame_path(folder, static_cast<int64_t>(index))).image), times[index]});
   }
-  render::write_png(path, render::contact_sheet(images, labels, cells > 6 ? 4 : 3), about_);
+  write_contact_sheet(path, pictures, about);
 }
 
 }  // namespace lab::renderer

@@ -3,32 +3,56 @@
 #include <string>
 #include <vector>
 
-#include "render/image.h"
+#include "procs/renderer/encoder.h"
+#include "procs/renderer/painter.h"
 
 namespace lab::renderer {
 
 /// The steps to draw for `fps` pictures per second of simulation time, first and last step included.
 std::vector<int64_t> steps_at_rate(double fps, double dt, int64_t last_step);
 
-/// Writes numbered pictures into a folder and, at the end, the contact sheet beside it.
+/// Makes a folder if it is not there, and those above it. Throws std::runtime_error with path and reason.
+void make_folder(const std::string& folder);
+
+/// FOLDER/NNNN.png
+std::string frame_path(const std::string& folder, int64_t index);
+
+/// Writes numbered pictures into a folder, on a thread beside the one that draws. Its calls throw what went wrong with an
+/// earlier picture.
 class FrameFolder {
  public:
-  /// Makes `folder` if it is not there. `about` is written into every picture (tEXt): run, camera, renderer.
-  FrameFolder(std::string folder, std::vector<std::pair<std::string, std::string>> about);
-  /// Writes NNNN.png and remembers it for the contact sheet. Returns its path.
-  std::string write(const render::Image& image, int64_t step, double time);
-  /// Up to twelve pictures, evenly chosen, with their times. Does nothing if none was written.
-  void write_contact_sheet(const std::string& path) const;
-  int64_t count() const { return static_cast<int64_t>(files_.size()); }
+  /// Makes `folder`. `about` is written into every file (tEXt): run, renderer.
+  FrameFolder(std::string folder, render::PngTexts about);
+
+  void write(int64_t index, Picture picture);
+  /// NNNN.depth.png (16 bits, mm, 0 = nothing) and NNNN.depth.f32 (m, float32 of this machine, rows from the top,
+  /// infinity = nothing).
+  void write_depth(int64_t index, const render::Measurement&, render::PngTexts);
+  /// NNNN.id.png: 16 bits, the link's number; its texts say which is which.
+  void write_ids(int64_t index, const render::Measurement&, render::PngTexts, const std::vector<std::string>& links);
+
+  int64_t done() { return encoder_.done(); }  ///< files written
+  void finish() { encoder_.finish(); }        ///< waits for all
 
  private:
-  struct File {
-    std::string path;
-    double time;
-  };
   std::string folder_;
-  std::vector<std::pair<std::string, std::string>> about_;
-  std::vector<File> files_;
+  render::PngTexts about_;
+  Encoder encoder_;
 };
+
+/// A picture for a contact sheet.
+struct Stamped {
+  render::Image image;
+  double time;
+};
+/// Pictures with their times below.
+void write_contact_sheet(const std::string& path, const std::vector<Stamped>&, const render::PngTexts& about);
+
+/// The size at which a picture goes into a contact sheet.
+render::Image thumbnail(const render::Image&);
+
+/// Up to twelve of the first `count` frames of a folder, evenly chosen, as a contact sheet that says the run
+/// as they do. Nothing if there are none.
+void write_contact_sheet_of(const std::string& path, const std::string& folder, const std::vector<double>& times);
 
 }  // namespace lab::renderer

@@ -1,110 +1,212 @@
 #include "procs/renderer/from_log.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <lab/robot_state_t.hpp>
-#include <lab/run_t.hpp>
-#include <map>
 
 #include "procs/experiment/experiment_yaml.h"
 #include "procs/renderer/frames.h"
-#include "procs/renderer/painter.h"
-#include "procs/wire/codec.h"
-#include "procs/wire/convert.h"
-#include "procs/wire/guard.h"
-#include "procs/wire/log_reader.h"
-#include "procs/wire/log_writer.h"
+#include "procs/renderer/logged.h"
+#include "procs/renderer/progress.h"
+#include "procs/renderer/video.h"
+#include "procs/renderer/workers.h"
 #include "procs/wire/role.h"
 
 namespace lab::renderer {
 namespace {
 
 namespace fs = std::filesystem;
+using Moments = std::vector<Moment>;
 
-struct Logged {
-  run_t run{};
-  std::map<int64_t, Eigen::VectorXd> states;
-};
+constexpr double kVideoRate = 30;  // pictures per second of a film, unless said
 
-Logged read_log(const std::string& path) {
-  Logged logged;
-  LogReader reader(path);
-  const Guard guard;
-  for (LogEvent event; reader.next(event);) {
-    const auto channel = channel_of(event.channel);
-    if (!channel || !guard.check(*channel, event.data)) continue;
-    if (*channel == Channel::Run) logged.run = decode<run_t>(event.data);
-    if (*channel == Channel::RobotState) {
-      const auto state = decode<robot_state_t>(event.data);
-      logged.states[state.step] = to_signal(state).q;
-    }
+/// The experiment with the looks of the run's own experiment.yaml, and over them those of the command line.
+Experiment experiment_of(const FromLog& job, const Logged& logged, const std::string& path, std::string& meshes) {
+  Experiment e = parse_experiment(logged.run.experiment, "RUN in " + path);
+  const std::string beside = (fs::absolute(path).parent_path() / "experiment.yaml").string();
+  meshes = "RUN";
+  if (fs::exists(beside)) {
+    const Experiment as_run = load_experiment(beside);
+    e.renderer = as_run.renderer;
+    if (!logged.run.urdf.empty()) meshes = find_model(as_run);
   }
-  if (logged.run.run == 0) throw ExperimentError(path + ": there is no RUN in this log, so the robot is not known");
-  if (logged.states.empty()) throw ExperimentError(path + ": there is no ROBOT_STATE in this log, so there is nothing to draw");
-  return logged;
+  auto& r = e.renderer;
+  if (job.width) r.size = {job.width, job.height};
+  if (!job.camera.empty()) r.camera = job.camera;
+  if (!job.quality.empty()) r.quality = job.quality;
+  r.orthographic |= job.orthographic, r.reference |= job.reference;
+  r.orbit = job.orbit.value_or(r.orbit), r.ghost = job.ghost.value_or(r.ghost);
+  if (job.follow) r.follow = *job.follow, e.where["renderer.follow"] = "--follow";
+  if (job.trace) r.trace = *job.trace, e.where["renderer.trace"] = "--trace";
+  if (job.trace_by != "time" && r.trace.empty()) throw ExperimentError("--trace-by: there is no trace to colour; name its frame with --trace");
+  return e;
 }
 
-std::string find_log(const std::string& source) {
-  if (!fs::is_directory(source)) return source;
-  const std::string log = source + "/log.lcm";
-  if (!fs::exists(log) && fs::exists(part_name(log))) return part_name(log);
-  return log;
+/// The logged step nearest to one that is wanted.
+int64_t nearest(const std::vector<int64_t>& logged, int64_t step) {
+  const auto after = std::lower_bound(logged.begin(), logged.end(), step);
+  if (after == logged.end()) return logged.back();
+  return after != logged.begin() && step - after[-1] <= *after - step ? after[-1] : *after;
+}
+
+std::vector<int64_t> nearest(const std::vector<int64_t>& logged, std::vector<int64_t> steps) {
+  for (int64_t& step : steps) step = nearest(logged, step);
+  return steps;
+}
+
+std::vector<int64_t> steps_at_times(const FromLog& job, double dt, int64_t last_step) {
+  std::vector<int64_t> steps;
+  for (double time : job.times) {
+    const double step = std::round(time / dt);
+    if (!(step >= 0 && step <= static_cast<double>(last_step)))
+      throw ExperimentError(fmt::format("--times: {} s is outside the run, which lasts from 0 to {} s", number(time), number(static_cast<double>(last_step) * dt)));
+    steps.push_back(static_cast<int64_t>(step));
+  }
+  return steps;
+}
+
+/// The moments of steps, in their order.
+Moments moments_of(const std::map<int64_t, Moment>& all, const std::vector<int64_t>& steps) {
+  Moments out;
+  for (int64_t step : steps)
+    if (const auto found = all.find(step); found != all.end()) out.push_back(found->second);
+  return out;
+}
+
+/// Every i-th frame of a clip.
+class FrameWorker : public Worker {
+ public:
+  FrameWorker(const Stage& stage, const Moments& moments, const FromLog& job, const std::string& folder, render::PngTexts about)
+      : stage_(stage), moments_(moments), depth_(job.depth), ids_(job.ids), painter_(stage_), files_(folder, with_gl(std::move(about))) {}
+
+  void draw(int64_t index) override {
+    const Moment& moment = moments_[static_cast<size_t>(index)];
+    files_.write(index, painter_.draw(moment));
+    if (!depth_ && !ids_) return;
+    const render::Measurement seen = painter_.measure(moment);
+    const render::PngTexts texts = texts_of(moment, stage_.settings().camera, stage_.camera(moment));
+    if (depth_) files_.write_depth(index, seen, texts);
+    if (ids_) files_.write_ids(index, seen, texts, stage_.links());
+  }
+  void finish() override { files_.finish(); }
+
+ private:
+  render::PngTexts with_gl(render::PngTexts about) const {
+    about.emplace_back("renderer", painter_.gl_info());
+    return about;
+  }
+
+  Stage stage_;
+  const Moments& moments_;
+  bool depth_, ids_;
+  Painter painter_;
+  FrameFolder files_;
+};
+
+/// A folder for pictures that only the video needs; goes with this object.
+struct Scratch {
+  std::string folder;
+  explicit Scratch(const std::string& video) {
+    const fs::path target = fs::absolute(video);
+    folder = (target.parent_path() / ("." + target.filename().string() + ".frames")).string();
+  }
+  ~Scratch() {
+    std::error_code none;
+    fs::remove_all(folder, none);
+  }
+};
+
+void draw_frames(const FromLog& job, const Stage& stage, const Moments& moments, const std::string& folder, bool say, const render::PngTexts& about) {
+  const auto count = static_cast<int64_t>(moments.size());
+  Progress progress("pictures", count);
+  draw_all(count, job.workers ? job.workers : sensible_workers(count),
+           [&]() -> std::unique_ptr<Worker> { return std::make_unique<FrameWorker>(stage, moments, job, folder, about); },
+           [&](int64_t index) {
+             progress.at(index + 1);
+             if (say && !progress.shown()) fmt::print("{}\n", frame_path(folder, index));
+           });
+}
+
+/// The pictures of the whole run: contact sheet and ghosts.
+void draw_overviews(const FromLog& job, Stage& stage, const Moments& for_contact, int64_t ghosts, render::PngTexts about) {
+  if (for_contact.empty() && ghosts == 0) return;
+  Painter painter(stage);
+  about.emplace_back("renderer", painter.gl_info());
+  make_folder(job.folder);
+  const std::string contact = job.folder + "/contact.png", ghost = job.folder + "/ghost.png";
+  if (!for_contact.empty()) {
+    std::vector<Stamped> pictures;
+    for (const Moment& moment : for_contact) pictures.push_back({thumbnail(painter.draw(moment).image), moment.time});
+    write_contact_sheet(contact, pictures, about);
+    fmt::print("{}\n", contact);
+  }
+  if (ghosts > 0) {
+    Picture picture = painter.draw_ghosts(ghosts);
+    picture.texts.insert(picture.texts.begin(), about.begin(), about.end());
+    render::write_png(ghost, picture.image, picture.texts);
+    fmt::print("{}\n", ghost);
+  }
 }
 
 }  // namespace
 
 int render_log(const FromLog& job) {
+  if (!job.video.empty()) need_ffmpeg();  // before the long part
   const std::string path = find_log(job.source);
-  const Logged logged = read_log(path);
-  Experiment experiment = parse_experiment(logged.run.experiment, "RUN in " + path);
-  const std::string beside = (fs::absolute(path).parent_path() / "experiment.yaml").string();
-  std::string meshes = "RUN";
-  if (fs::exists(beside)) {
-    const Experiment as_run = load_experiment(beside);
-    experiment.renderer = as_run.renderer;
-    if (!logged.run.urdf.empty()) meshes = find_model(as_run);
-  }
+  const Logged logged = survey(path);
+  std::string meshes;
+  const Experiment experiment = experiment_of(job, logged, path, meshes);
   const Robot robot = logged.run.urdf.empty() ? load_robot(experiment) : load_robot(experiment, logged.run.urdf, meshes);
-  if (job.width) experiment.renderer.size = {job.width, job.height};
-  if (!job.camera.empty()) experiment.renderer.camera = job.camera;
-  if (!job.quality.empty()) experiment.renderer.quality = job.quality;
-
   const double dt = experiment.simulator.dt;
-  const int64_t last_step = logged.states.rbegin()->first;
-  std::vector<int64_t> steps;
-  for (double time : job.times) {
-    const int64_t step = std::llround(time / dt);
-    if (!(time >= 0) || step > last_step)
-      throw ExperimentError(fmt::format("--times: {} s is outside the run, which lasts from 0 to {} s", number(time), number(static_cast<double>(last_step) * dt)));
-    steps.push_back(step);
-  }
-  if (steps.empty()) steps = steps_at_rate(job.fps.value_or(experiment.renderer.fps), dt, last_step);
+  const int64_t last_step = logged.steps.back();
 
-  Painter painter(robot, experiment);
-  for (const auto& warning : painter.warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
-  FrameFolder folder(job.folder, {{"run", fmt::format("{:016x}", static_cast<uint64_t>(logged.run.run))},
-                                  {"camera", experiment.renderer.camera},
-                                  {"renderer", painter.gl_info()}});
-  const bool progress = isatty(STDERR_FILENO) && steps.size() > 10;
-  for (int64_t step : steps) {
-    const auto state = logged.states.find(step);
-    if (state == logged.states.end()) {
-      fmt::print(stderr, "lab-renderer: step {} is missing in {}; no picture of it\n", step, path);
-      continue;
-    }
-    const std::string file = folder.write(painter.draw(state->second), step, static_cast<double>(step) * dt);
-    if (progress) fmt::print(stderr, "\r{} of {} pictures ", folder.count(), steps.size());
-    else fmt::print("{}\n", file);
+  // which steps
+  const bool only_overviews = (job.ghost.value_or(0) > 0 || job.contact > 0) && job.times.empty() && !job.fps && job.video.empty();
+  const double fps = job.fps.value_or(job.video.empty() ? experiment.renderer.fps : kVideoRate);
+  std::vector<int64_t> steps, cells, samples;
+  if (!job.times.empty()) steps = steps_at_times(job, dt, last_step);
+  else if (!only_overviews) steps = steps_at_rate(fps, dt, last_step);
+  for (int64_t i = 0; i < job.contact; ++i) cells.push_back(job.contact == 1 ? last_step : i * last_step / (job.contact - 1));
+  for (int64_t step = 0; step < last_step; step += sample_gap(experiment)) samples.push_back(step);
+  samples.push_back(last_step);
+  steps = nearest(logged.steps, steps), cells = nearest(logged.steps, cells), samples = nearest(logged.steps, samples);
+  if (job.times.empty()) steps.erase(std::unique(steps.begin(), steps.end()), steps.end());  // fewer are logged than wanted
+  std::vector<int64_t> all = steps;
+  all.insert(all.end(), cells.begin(), cells.end()), all.insert(all.end(), samples.begin(), samples.end());
+  std::sort(all.begin(), all.end());
+  const auto read = read_moments(path, all, dt);
+
+  Extras extras{job.trace_by, job.arrows, logged.pushes};
+  for (const PlannedPush& push : experiment.simulator.pushes)
+    extras.pushes.push_back({push.time, push.time + push.duration, push.frame, {push.force[0], push.force[1], push.force[2]}});
+  Stage stage(robot, experiment, std::move(extras));
+  for (const auto& warning : stage.warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
+  if (job.strict && !stage.warnings().empty()) throw ExperimentError("--strict: the robot is not whole, so nothing is drawn");
+  for (const Moment& moment : moments_of(read, samples)) stage.remember(moment);
+  stage.frame_all();
+
+  const std::string run = fmt::format("{:016x}", static_cast<uint64_t>(logged.run.run));
+  const Moments moments = moments_of(read, steps);
+  std::optional<Scratch> scratch;
+  if (job.folder.empty()) scratch.emplace(job.video);
+  const std::string folder = scratch ? scratch->folder : job.folder;
+  if (!moments.empty()) draw_frames(job, stage, moments, folder, !scratch, {{"run", run}});
+  if (moments.size() > 1 && job.contact == 0 && !scratch) {
+    std::vector<double> times;
+    for (const Moment& moment : moments) times.push_back(moment.time);
+    write_contact_sheet_of(folder + "/contact.png", folder, times);
+    fmt::print("{}/contact.png\n", folder);
   }
-  if (progress) fmt::print(stderr, "\n");
-  if (folder.count() > 1) {
-    folder.write_contact_sheet(job.folder + "/contact.png");
-    fmt::print("{}/contact.png\n", job.folder);
+  if (!job.video.empty()) {
+    const auto count = static_cast<int64_t>(moments.size());
+    Progress progress("video   ", count);
+    write_video(job.video, folder, count, fps, "run " + run, [&](int64_t done) { progress.at(done); });
+    fmt::print("{}\n", job.video);
   }
+  const int64_t ghosts = job.ghost.value_or(job.times.empty() && !scratch ? experiment.renderer.ghost : 0);
+  draw_overviews(job, stage, moments_of(read, cells), ghosts, {{"run", run}});
   return kOk;
 }
 

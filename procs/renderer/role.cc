@@ -7,8 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <lab/end_t.hpp>
-#include <lab/frame_t.hpp>
-#include <lab/need_t.hpp>
+#include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
 
@@ -37,21 +36,62 @@ void Watcher::receive(Channel channel, std::span<const uint8_t> bytes, Micros) t
   silence_.progress();
   if (channel == Channel::Run && run_ == 0) return on_run(bytes);
   if (run_ == 0 || peek_run(bytes) != run_) return;
-  if (channel == Channel::RobotState) {
-    const int64_t step = peek_step(bytes);
-    if (realtime_) {
-      const auto gap = static_cast<int64_t>(std::ceil(1 / (settings_.renderer.fps * dt_)));
-      if (drawn_ < 0 || step / gap > drawn_ / gap) states_.clear(), states_[step] = to_signal(decode<robot_state_t>(bytes)).q;
-      return;
-    }
-    if (step > drawn_ && std::binary_search(wanted_.begin(), wanted_.end(), step) && !states_.contains(step))
-      states_[step] = to_signal(decode<robot_state_t>(bytes)).q;
-  } else if (channel == Channel::End && !last_step_) {
-    last_step_ = decode<end_t>(bytes).step;
-    if (!realtime_) wanted_ = steps_at_rate(settings_.renderer.fps, dt_, std::max<int64_t>(*last_step_, 0));
-  }
+  if (channel == Channel::RobotState) on_state(peek_step(bytes), bytes);
+  else if (channel == Channel::Reference) on_reference(peek_step(bytes), bytes);
+  else if (channel == Channel::End && !last_step_) on_end(bytes);
 } catch (const std::exception& error) {
   outcome_ = {true, kBadConfig, error.what()};
+}
+
+void Watcher::on_state(int64_t step, std::span<const uint8_t> bytes) {
+  const auto moment = [&] {
+    const RobotState state = to_signal(decode<robot_state_t>(bytes));
+    return Moment{step, static_cast<double>(step_utime(step, dt_)) * 1e-6, state.q, state.v, {}};
+  };
+  if (realtime_) {
+    if (stage_->needs_samples() && step / sample_gap_ > sampled_ / sample_gap_) stage_->remember(moment()), sampled_ = step;
+    const auto gap = static_cast<int64_t>(std::ceil(1 / (settings_.renderer.fps * dt_)));
+    if (drawn_ < 0 || step / gap > drawn_ / gap) moments_.clear(), moments_[step] = moment();
+    return;
+  }
+  if (next_ >= wanted_.size() || step < wanted_[next_] || !std::binary_search(wanted_.begin(), wanted_.end(), step)) return;
+  Moment& kept = moments_[step];
+  if (kept.q.size() > 0) return;
+  Eigen::VectorXd reference = std::move(kept.wanted);  // it may have come first
+  kept = moment();
+  kept.wanted = std::move(reference);
+}
+
+void Watcher::on_reference(int64_t step, std::span<const uint8_t> bytes) {
+  if (!settings_.renderer.reference) return;
+  const auto wanted = [&] { return to_signal(decode<reference_t>(bytes)).q; };
+  if (realtime_) {
+    references_[step] = wanted();
+    if (references_.size() > static_cast<size_t>(2 * kWindow)) references_.erase(references_.begin());
+  } else if (next_ < wanted_.size() && step >= wanted_[next_] && std::binary_search(pictures_.begin(), pictures_.end(), step)) {
+    moments_[step].wanted = wanted();
+  }
+}
+
+void Watcher::on_end(std::span<const uint8_t> bytes) {
+  last_step_ = decode<end_t>(bytes).step;
+  if (!realtime_) plan(std::max<int64_t>(*last_step_, 0));
+}
+
+/// What of steps 0 to last_step is needed. What was done of a longer plan stays done: this one begins alike.
+void Watcher::plan(int64_t last_step) {
+  pictures_ = steps_at_rate(settings_.renderer.fps, dt_, last_step);
+  wanted_ = pictures_;
+  if (stage_->needs_samples())
+    for (int64_t step = 0; step < last_step; step += sample_gap_) wanted_.push_back(step);
+  std::sort(wanted_.begin(), wanted_.end());
+  wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
+}
+
+bool Watcher::ready(int64_t step) const {
+  const auto found = moments_.find(step);
+  if (found == moments_.end() || found->second.q.size() == 0) return false;
+  return !settings_.renderer.reference || found->second.wanted.size() > 0 || !std::binary_search(pictures_.begin(), pictures_.end(), step);
 }
 
 void Watcher::on_run(std::span<const uint8_t> bytes) {
@@ -60,15 +100,14 @@ void Watcher::on_run(std::span<const uint8_t> bytes) {
   robot_ = message.urdf.empty() ? load_robot(experiment) : load_robot(experiment, message.urdf, find_model(settings_));
   experiment.renderer = settings_.renderer;
   dt_ = experiment.simulator.dt;
+  sample_gap_ = sample_gap(experiment), sampled_ = -sample_gap_;
   realtime_ = experiment.simulator.clock == "realtime";
-  wanted_ = realtime_ ? std::vector<int64_t>{} : steps_at_rate(experiment.renderer.fps, dt_, experiment.last_step());
-  painter_ = std::make_unique<Painter>(*robot_, experiment);
-  for (const auto& warning : painter_->warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
-  folder_ = std::make_unique<FrameFolder>(
-      run_dir_ + "/frames",
-      render::PngTexts{{"run", fmt::format("{:016x}", static_cast<uint64_t>(message.run))},
-                       {"camera", experiment.renderer.camera},
-                       {"renderer", painter_->gl_info()}});
+  stage_ = std::make_unique<Stage>(*robot_, experiment);
+  for (const auto& warning : stage_->warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
+  if (!realtime_) plan(experiment.last_step());
+  painter_ = std::make_unique<Painter>(*stage_);
+  about_ = {{"run", fmt::format("{:016x}", static_cast<uint64_t>(message.run))}, {"renderer", painter_->gl_info()}};
+  folder_ = std::make_unique<FrameFolder>(run_dir_ + "/frames", about_);
   std::ofstream(run_dir_ + "/gl.txt") << painter_->gl_info() << '\n';
   run_ = message.run;
 }
@@ -93,17 +132,21 @@ void Watcher::tick(Micros now) try {
   if (outcome_.ended) return;
   silence_.look(now);
   wake_ = now + kRepeat;
-  const bool state_missing = run_ == 0 || (next_ < wanted_.size() && !states_.contains(wanted_[next_]));
+  const bool state_missing = run_ == 0 || (next_ < wanted_.size() && !ready(wanted_[next_]));
   if (state_missing && now >= next_look_) next_look_ = now + kRepeat / 2, read_more_of_the_log();
   if (outcome_.ended || run_ == 0) {
     if (stopping_ || silence_.total() > std::llround(settings_.ready * 1e6))
       outcome_ = {true, stopping_ ? kOk : kNotReady, stopping_ ? "" : fmt::format("no RUN from the simulator in {:g} s", settings_.ready)};
     return;
   }
-  if (realtime_ && !states_.empty() && !last_step_) {
-    draw(states_.begin()->first);
-  } else if (next_ < wanted_.size() && states_.contains(wanted_[next_])) {
-    draw_next();
+  tell_written();
+  if (realtime_ && !moments_.empty() && !last_step_) {
+    Moment moment = std::move(moments_.begin()->second);
+    moments_.clear();
+    if (const auto after = references_.upper_bound(moment.step); after != references_.begin()) moment.wanted = std::prev(after)->second;
+    draw(moment);
+  } else if (next_ < wanted_.size() && ready(wanted_[next_])) {
+    do_next();
     wake_ = now;
   } else if (last_step_ && next_ >= wanted_.size()) {
     finish();
@@ -114,28 +157,49 @@ void Watcher::tick(Micros now) try {
   outcome_ = {true, kDied, error.what()};
 }
 
-void Watcher::draw_next() {
-  draw(wanted_[next_]);
-  ++next_;
+void Watcher::do_next() {
+  const int64_t step = wanted_[next_++];
+  const Moment moment = std::move(moments_[step]);
+  moments_.erase(moments_.begin(), moments_.upper_bound(step));
+  const bool picture = std::binary_search(pictures_.begin(), pictures_.end(), step);
+  if (stage_->needs_samples() && (step % sample_gap_ == 0 || step == pictures_.back())) stage_->remember(moment);
+  if (picture) draw(moment);
+  silence_.progress();
 }
 
-void Watcher::draw(int64_t step) {
-  const double time = static_cast<double>(step_utime(step, dt_)) * 1e-6;
-  const std::string path = folder_->write(painter_->draw(states_[step]), step, time);
-  states_.erase(states_.begin(), states_.upper_bound(step));
-  drawn_ = step;
+void Watcher::draw(const Moment& moment) {
+  const auto index = static_cast<int64_t>(times_.size());
+  folder_->write(index, painter_->draw(moment));
+  times_.push_back(moment.time);
+  drawn_ = moment.step;
   silence_.progress();
 
   frame_t frame{};
-  frame.utime = wall_now(), frame.run = run_, frame.step = step;
-  frame.path = "frames/" + std::filesystem::path(path).filename().string();
+  frame.run = run_, frame.step = moment.step;
+  frame.path = "frames/" + std::filesystem::path(frame_path("", index)).filename().string();
   frame.width = static_cast<int32_t>(settings_.renderer.size[0]), frame.height = static_cast<int32_t>(settings_.renderer.size[1]);
   frame.camera = settings_.renderer.camera;
-  publish_(Channel::Frame, encode(frame));
+  untold_.push_back(frame);
+}
+
+/// FRAME for each picture that is on the disk by now.
+void Watcher::tell_written() {
+  const auto waiting = static_cast<size_t>(static_cast<int64_t>(times_.size()) - folder_->done());
+  for (; untold_.size() > waiting; untold_.pop_front()) {
+    untold_.front().utime = wall_now();
+    publish_(Channel::Frame, encode(untold_.front()));
+  }
 }
 
 void Watcher::finish() {
-  folder_->write_contact_sheet(run_dir_ + "/contact.png");
+  folder_->finish();
+  tell_written();
+  write_contact_sheet_of(run_dir_ + "/contact.png", run_dir_ + "/frames", times_);
+  if (settings_.renderer.ghost > 0 && drawn_ >= 0) {
+    Picture picture = painter_->draw_ghosts(settings_.renderer.ghost);
+    picture.texts.insert(picture.texts.begin(), about_.begin(), about_.end());
+    render::write_png(run_dir_ + "/ghost.png", picture.image, picture.texts);
+  }
   outcome_.ended = true;
 }
 

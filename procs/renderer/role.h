@@ -1,4 +1,6 @@
 #pragma once
+#include <deque>
+#include <lab/frame_t.hpp>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,8 +14,9 @@
 namespace lab::renderer {
 
 /// The renderer's side of a run. It gives no credit and nobody waits for it: it keeps the states that will be
-/// pictures, from the bus as they come and from the log where some were missed, and draws one at each tick until it
-/// has drawn all. The pictures are a function of the logged states.
+/// pictures or parts of traces, from the bus as they come and from the log where some were missed, and draws one picture
+/// at each tick until it has drawn all. The pictures are a function of the logged steps. Files are written by another
+/// thread.
 class Watcher : public Role {
  public:
   /// `settings` holds the renderer's own keys, which RUN does not carry; the rest comes from RUN.
@@ -35,9 +38,15 @@ class Watcher : public Role {
 
  private:
   void on_run(std::span<const uint8_t> bytes);
+  void on_state(int64_t step, std::span<const uint8_t> bytes);
+  void on_reference(int64_t step, std::span<const uint8_t> bytes);
+  void on_end(std::span<const uint8_t> bytes);
+  void plan(int64_t last_step);
+  bool ready(int64_t step) const;
   void read_more_of_the_log();
-  void draw_next();
-  void draw(int64_t step);
+  void do_next();
+  void draw(const Moment&);
+  void tell_written();
   void finish();
 
   Experiment settings_;
@@ -47,14 +56,21 @@ class Watcher : public Role {
 
   int64_t run_ = 0;
   double dt_ = 0;
+  int64_t sample_gap_ = 1;
   std::optional<Robot> robot_;
+  std::unique_ptr<Stage> stage_;
   std::unique_ptr<Painter> painter_;
   std::unique_ptr<FrameFolder> folder_;
-  bool realtime_ = false;        ///< the newest state at each tick of its own, whatever was missed
-  std::vector<int64_t> wanted_;  ///< steps to draw, rising; in real time the next one
-  size_t next_ = 0;              ///< index into wanted_
-  std::map<int64_t, Eigen::VectorXd> states_;
-  int64_t drawn_ = -1;
+  render::PngTexts about_;
+  bool realtime_ = false;          ///< the newest state at each tick of its own, whatever was missed
+  std::vector<int64_t> pictures_;  ///< steps to draw, rising; none in real time
+  std::vector<int64_t> wanted_;    ///< these and the samples of traces and ghosts, rising
+  size_t next_ = 0;                ///< index into wanted_
+  std::map<int64_t, Moment> moments_;  ///< what has come of the wanted steps; in real time the newest state
+  std::map<int64_t, Eigen::VectorXd> references_;  ///< real time: the newest ones, which run ahead of the states
+  std::vector<double> times_;      ///< of the pictures drawn, s
+  std::deque<frame_t> untold_;     ///< FRAME of pictures that may not be written yet
+  int64_t drawn_ = -1, sampled_ = 0;
   std::optional<int64_t> last_step_;  ///< from END
   bool stopping_ = false;
   std::unique_ptr<LogReader> log_;

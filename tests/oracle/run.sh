@@ -2,6 +2,7 @@
 # Compares the lab with Pinocchio (PyPI `pin` 4.1.0). Optional: nothing of the lab depends on it.
 #
 # usage: tests/oracle/run.sh [ARGS for pytest]     (LAB_BUILD: the build to test, default build/release)
+#        tests/oracle/run.sh --render          (link ids and depth of pictures against PyPI `mujoco` 4.0.0)
 #        tests/oracle/run.sh --urdf-corpus         (writes docs/urdf_corpus.md: our URDF reader beside others)
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -19,5 +20,11 @@ if [ "${1:-}" = --urdf-corpus ]; then
   "$environment/bin/python" "$root/tests/oracle/urdf_corpus.py" "$root/build/release" >"$environment/urdf_corpus.md"
   mv "$environment/urdf_corpus.md" "$root/docs/urdf_corpus.md"
   exit
+fi
+export LAB_ROBOTS
+if [ "${1:-}" = --render ]; then
+  "$environment/bin/pip" install -q mujoco==4.0.0
+  "$root/scripts/lab" build --target bench-render
+  set -- -k test_ids_and_depth "${@:2}"
 fi
 exec "$environment/bin/pytest" -q -s -p no:cacheprovider "$root/tests/oracle" "$@"

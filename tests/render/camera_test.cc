@@ -102,6 +102,83 @@ TEST(Camera, NamedViewsLookTheirWay) {
   for (const char* view : {"front", "side"}) EXPECT_LT(moves(view, {0, 0, .1}).y(), -5);
 }
 
+TEST(Camera, OrthographicByHand) {
+  // A picture 4 m high of 400 x 200 pixels: 2 cm each, however far away.
+  Camera camera;
+  camera.eye = {0, 0, 1}, camera.target = {2, 0, 1}, camera.height = 4;
+  const int w = 400, h = 200;
+  const Eigen::Matrix4d m = camera.projection(double(w) / h, -5, 10) * camera.view().matrix();
+  for (double far : {-3.0, 2.0, 9.0}) {
+    const Vector3d p = camera.pixel({far, .5, 1.2}, w, h);
+    EXPECT_LT((p - Vector3d(200 - 25, 100 - 10, far)).norm(), 1e-9) << p.transpose();
+    const Eigen::Vector4d c = m * Eigen::Vector4d(far, .5, 1.2, 1);
+    EXPECT_NEAR(c.w(), 1, 1e-12);
+    EXPECT_NEAR((c.x() + 1) / 2 * w, p.x(), 1e-9);
+    EXPECT_NEAR((1 - c.y()) / 2 * h, p.y(), 1e-9);
+    EXPECT_NEAR(c.z(), (far + 5) / 15 * 2 - 1, 1e-12);  // depth is linear
+  }
+}
+
+// The directions of an iso view by its angles, and every corner in the picture, orthographic too.
+TEST(Camera, ViewsByAngle) {
+  const Bounds box(Vector3d(-.2, -.4, 0), Vector3d(.6, .4, 1.1));
+  for (double azimuth : {-2.5, 0.0, 1.2}) {
+    for (double elevation : {-.3, 0.2, 1.5, M_PI / 2}) {
+      for (bool orthographic : {false, true}) {
+        View view{azimuth, elevation};
+        view.orthographic = orthographic;
+        const Camera camera = auto_frame(box, view, 1.5);
+        const Vector3d towards = (camera.eye - camera.target).normalized();
+        EXPECT_NEAR(std::asin(towards.z()), elevation, 1e-6);
+        if (elevation < 1.5) {
+          EXPECT_NEAR(std::atan2(towards.y(), towards.x()), azimuth, 1e-9);
+        }
+        double fill = 0;
+        for (int i = 0; i < 8; ++i) {
+          const Vector3d p = camera.pixel(box.corner(static_cast<Bounds::CornerType>(i)), 300, 200);
+          fill = std::max({fill, std::abs(p.x() / 150 - 1), std::abs(p.y() / 100 - 1)});
+        }
+        EXPECT_LT(fill, 1);
+        EXPECT_GT(fill, .85);
+        view.distance = 2;  // everything half as large
+        const Camera away = auto_frame(box, view, 1.5);
+        if (orthographic) {
+          EXPECT_NEAR(away.height, 2 * camera.height, 1e-9);
+        } else {
+          EXPECT_NEAR((away.eye - away.target).norm(), 2 * (camera.eye - camera.target).norm(), 1e-9);
+        }
+      }
+    }
+  }
+}
+
+TEST(Camera, AnOrbitSeesEverythingAtEveryAngleFromOneDistance) {
+  const Bounds box(Vector3d(0, 0, 0), Vector3d(2, .3, .5));
+  View view;
+  view.turn = .5;
+  const Camera start = auto_frame(box, view, 4. / 3);
+  for (double t = 0; t < 14; t += .37) {
+    const Camera camera = turned(start, view.turn * t);
+    EXPECT_NEAR((camera.eye - camera.target).norm(), (start.eye - start.target).norm(), 1e-9);
+    EXPECT_NEAR(camera.eye.z(), start.eye.z(), 1e-9);
+    for (int i = 0; i < 8; ++i) {
+      const Vector3d p = camera.pixel(box.corner(static_cast<Bounds::CornerType>(i)), 640, 480);
+      EXPECT_TRUE(p.x() > 0 && p.x() < 640 && p.y() > 0 && p.y() < 480) << t;
+    }
+  }
+  const Vector3d towards = turned(start, 1).eye - start.target;
+  EXPECT_NEAR(std::atan2(towards.y(), towards.x()), view.azimuth + 1, 1e-9);
+}
+
+TEST(Camera, MovedAlongSeesTheSame) {
+  const Camera camera = auto_frame(Bounds(), "iso", 1);
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  motion.linear() = Eigen::AngleAxisd(2.1, Vector3d(1, -1, .4).normalized()).toRotationMatrix();
+  motion.translation() = Vector3d(3, -8, 1);
+  for (const Vector3d& p : {Vector3d(.1, .2, .3), Vector3d(-.4, 0, .9)})
+    EXPECT_LT((moved(camera, motion).pixel(motion * p, 100, 100) - camera.pixel(p, 100, 100)).norm(), 1e-9);
+}
+
 TEST(Camera, AutoFrameErrorsAndEmptyBox) {
   EXPECT_NO_THROW(auto_frame(Bounds()).view());
   try {
@@ -113,6 +190,11 @@ TEST(Camera, AutoFrameErrorsAndEmptyBox) {
   }
   EXPECT_THROW(auto_frame(Bounds(Vector3d(0, 0, 0), Vector3d(1, 1, HUGE_VAL))), std::invalid_argument);
   EXPECT_THROW(auto_frame(Bounds(), "iso", 0), std::invalid_argument);
+  for (const View& view : {View{NAN, 0}, View{0, 2}, View{0, 0, 0}, View{0, 0, 1, INFINITY}})
+    EXPECT_THROW(auto_frame(Bounds(), view), std::invalid_argument);
+  Camera flat;
+  flat.height = -1;
+  EXPECT_THROW(flat.view(), std::invalid_argument);
 }
 
 }  // namespace

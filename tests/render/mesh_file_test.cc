@@ -1,12 +1,17 @@
 // Mesh files written here, byte by byte, so that what must come out is known.
+#include "render/mesh_file.h"
+
 #include <gtest/gtest.h>
+#include <jpeglib.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
-#include "render/mesh.h"
+#include "render/png.h"
+#include "render/texture.h"
 
 namespace lab::render {
 namespace {
@@ -172,6 +177,154 @@ TEST_F(MeshFileTest, BrokenFilesAreRefusedInOneLine) {
   expect_refused(write("nan.stl", binary_stl(nan)), "finite");
   nan.positions[3].x() = INFINITY;
   expect_refused(write("inf.stl", binary_stl(nan)), "finite");
+}
+
+TEST_F(MeshFileTest, HugeCountsAndWrongNamesAreRefusedInOneLine) {
+  const MeshPtr box = make_box({1, 1, 1});
+  const std::string dae = collada("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "Z_UP");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = dae;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  expect_refused(write("count.dae", with("count=\"12\"", "count=\"4000000000\"")), "");
+  expect_refused(write("nan.dae", with("1000 0 0", "nan 0 0")), "");
+  expect_refused(write("index.dae", with("0 1 3", "0 1 7")), "");
+  expect_refused(write("huge.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":4000000000}],
+    "bufferViews":[{"buffer":0,"byteLength":4000000000}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":300000000,"type":"VEC3"}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0})"),
+                 "");
+  expect_refused(write("really_stl.dae", binary_stl(*box)), "look like binary STL");
+  expect_refused(write("really_stl.obj", ascii_stl(*box)), "look like ASCII STL");
+  expect_refused(write("really_dae.stl", dae), "look like Collada");
+  expect_refused(write("zero.stl", std::string(84, '\0')), "");
+  expect_refused(write("flat.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n"), "no triangle with an area");
+}
+
+std::string base64(const std::string& bytes) {
+  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t v = 0;
+    for (size_t k = 0; k < 3; ++k)
+      v = v << 8 | (i + k < bytes.size() ? static_cast<uint8_t>(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 4; ++k) out += i + k > bytes.size() ? '=' : digits[v >> (18 - 6 * k) & 63];
+  }
+  return out;
+}
+
+std::string bytes_of(const std::string& path) {
+  std::string bytes;
+  EXPECT_TRUE(read_bytes(path, bytes)) << path;
+  return bytes;
+}
+
+// One triangle in glTF, with its picture and numbers inside the file.
+TEST_F(MeshFileTest, GltfKeepsItsAxesAndBringsItsTexture) {
+  Image picture(2, 1);
+  picture.rgb = {255, 0, 0, 0, 0, 255};
+  write_png((folder_ / "p.png").string(), picture);
+  const float numbers[] = {0, 0, 0, 1, 0, 0, 0, 2, 0, /* uv */ 0, 0, 1, 0, 0, 1};
+  const std::string data(reinterpret_cast<const char*>(numbers), sizeof numbers);
+  const std::string gltf =
+      R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
+      base64(data) +
+      R"("}],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,2,0]},
+                 {"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],
+    "images":[{"uri":"data:image/png;base64,)" +
+      base64(bytes_of((folder_ / "p.png").string())) + R"("}],"textures":[{"source":0}],
+    "materials":[{"name":"m","pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1],"roughnessFactor":0.25,"baseColorTexture":{"index":0}}}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],
+    "nodes":[{"mesh":0,"translation":[0,0,3]}],"scenes":[{"nodes":[0]}],"scene":0})";
+  const MeshFile file = read_mesh_file(write("a.gltf", gltf));
+  EXPECT_TRUE(file.warnings.empty());
+  const Mesh& m = *file.mesh;
+  EXPECT_TRUE(m.bounds.isApprox(Bounds(Vector3d(0, 0, 3), Vector3d(1, 2, 3)), 1e-6))
+      << "as in the file: y is not turned up";
+  ASSERT_EQ(m.surfaces.size(), 1u);
+  EXPECT_FLOAT_EQ(m.surfaces[0].roughness, 0.25f);
+  EXPECT_FLOAT_EQ(m.surfaces[0].rgba[0], 0.5f);
+  ASSERT_TRUE(m.surfaces[0].texture);
+  EXPECT_EQ(m.surfaces[0].texture->rgba, (std::vector<uint8_t>{255, 0, 0, 255, 0, 0, 255, 255}));
+  ASSERT_EQ(m.uvs.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {  // glTF counts v from the top, we from the bottom
+    EXPECT_FLOAT_EQ(m.uvs[i].x(), m.positions[i].x());
+    EXPECT_FLOAT_EQ(m.uvs[i].y(), 1 - m.positions[i].y() / 2);
+  }
+}
+
+std::string jpeg_of(int width, int height, uint8_t r, uint8_t g, uint8_t b) {
+  jpeg_compress_struct info{};
+  jpeg_error_mgr errors{};
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* data = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &data, &size);
+  info.image_width = static_cast<JDIMENSION>(width), info.image_height = static_cast<JDIMENSION>(height);
+  info.input_components = 3, info.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&info);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<uint8_t> line;
+  for (int x = 0; x < width; ++x) line.insert(line.end(), {r, g, b});
+  JSAMPROW row = line.data();
+  while (info.next_scanline < info.image_height) jpeg_write_scanlines(&info, &row, 1);
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  const std::string bytes(reinterpret_cast<char*>(data), size);
+  std::free(data);
+  return bytes;
+}
+
+TEST_F(MeshFileTest, ColladaTextures) {
+  std::string text = collada("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "Z_UP");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("<color>0.1 0.8 0.2 1</color>", R"(<texture texture="smp" texcoord="UV"/>)");
+  replace(
+      "<profile_COMMON>",
+      R"(<profile_COMMON><newparam sid="srf"><surface type="2D"><init_from>img</init_from></surface></newparam>
+    <newparam sid="smp"><sampler2D><source>srf</source></sampler2D></newparam>)");
+  replace(
+      "<library_effects>",
+      R"(<library_images><image id="img"><init_from>C:\pictures\skin.jpg</init_from></image></library_images><library_effects>)");
+  replace("<vertices",
+          R"(<source id="t"><float_array id="ta" count="2">0.25 0.75</float_array><technique_common>
+    <accessor source="#ta" count="1" stride="2"><param name="S" type="float"/><param name="T" type="float"/></accessor></technique_common></source><vertices)");
+  replace(
+      "offset=\"0\"/><p>0 2 1 0 1 3 0 3 2 1 2 3",
+      R"(offset="0"/><input semantic="TEXCOORD" source="#t" offset="1" set="0"/><p>0 0 2 0 1 0 0 0 1 0 3 0 0 0 3 0 2 0 1 0 2 0 3 0)");
+  const std::string path = write("a.dae", text);
+
+  MeshFile file = read_mesh_file(path);  // the picture is not there yet
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_NE(file.warnings[0].find("skin.jpg"), std::string::npos) << file.warnings[0];
+  EXPECT_FALSE(file.mesh->surfaces[0].texture);
+
+  write("skin.jpg", jpeg_of(8, 16, 200, 100, 50));
+  file = read_mesh_file(path);
+  EXPECT_TRUE(file.warnings.empty());
+  const Surface& s = file.mesh->surfaces.at(0);
+  ASSERT_TRUE(s.texture);
+  EXPECT_EQ(s.texture->width, 8);
+  EXPECT_EQ(s.texture->height, 16);
+  const int expected[] = {200, 100, 50, 255};
+  for (size_t i = 0; i < s.texture->rgba.size(); ++i) EXPECT_NEAR(s.texture->rgba[i], expected[i % 4], 4);
+  EXPECT_TRUE(s.rgba.isOnes()) << "the texture stands in place of the colour";
+  for (const auto& uv : file.mesh->uvs) EXPECT_TRUE(uv.isApprox(Eigen::Vector2f(.25f, .75f)));
+
+  const std::string whole = jpeg_of(64, 64, 1, 2, 3);
+  for (const std::string& broken :
+       {std::string("no picture"), std::string(), whole.substr(0, whole.size() / 2),
+        std::string("\xff\xd8\xff"), std::string("\x89PNG\r\n")}) {
+    write("skin.jpg", broken);
+    file = read_mesh_file(path);
+    ASSERT_EQ(file.warnings.size(), 1u);
+    EXPECT_FALSE(file.mesh->surfaces[0].texture);
+  }
 }
 
 }  // namespace

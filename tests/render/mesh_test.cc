@@ -178,8 +178,9 @@ TEST(Mesh, HolesAreFoundAndSlitsAreNot) {
 
 TEST(Mesh, ColoursMakeSurfaces) {
   Soup soup = apart(*make_box({1, 1, 1}));
-  for (int t = 0; t < 12; ++t)
-    soup.triangle_rgba.push_back(t < 4 ? Eigen::Vector4f(1, 0, 0, 1) : Eigen::Vector4f(-1, 0, 0, 0));
+  soup.looks.resize(2);
+  soup.looks[1].coloured = true;
+  for (uint32_t t = 0; t < 12; ++t) soup.triangle_look.push_back(t < 4);
   const MeshPtr m = make_mesh(soup);
   ASSERT_EQ(m->surfaces.size(), 2u);
   EXPECT_EQ(m->surfaces[0].count, 12u);
@@ -209,7 +210,11 @@ TEST(Mesh, BadSoupIsRefused) {
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
   soup = good, soup.indices.pop_back();
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
-  soup = good, soup.triangle_rgba.resize(3);
+  soup = good, soup.looks.resize(1), soup.triangle_look.resize(3);
+  EXPECT_THROW(make_mesh(soup), std::invalid_argument);
+  soup = good, soup.triangle_look.resize(12, 0);
+  EXPECT_THROW(make_mesh(soup), std::invalid_argument);
+  soup = good, soup.uvs.resize(3);
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
   soup = good, soup.normals.resize(3);
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);

@@ -57,6 +57,25 @@ TEST_F(PngTest, ComesBackByteForByte) {
   }
 }
 
+TEST_F(PngTest, SixteenBitGrey) {
+  std::mt19937 random(5);
+  std::vector<uint16_t> values(37 * 11);
+  for (uint16_t& v : values) v = static_cast<uint16_t>(random());
+  const std::string path = (folder_ / "depth.png").string();
+  write_png16(path, 37, 11, values, {{"unit", "0.001 m"}});
+  const PngFile back = read_png(path);  // as 8 bits: the upper byte of each
+  EXPECT_EQ(back.texts, (PngTexts{{"unit", "0.001 m"}}));
+  ASSERT_EQ(back.image.width, 37);
+  ASSERT_EQ(back.image.height, 11);
+  for (size_t i = 0; i < values.size(); ++i)
+    for (int c = 0; c < 3; ++c) ASSERT_EQ(back.image.rgb[3 * i + c], values[i] >> 8);
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(bytes[24], 16) << "bits";
+  EXPECT_EQ(bytes[25], 0) << "grey";
+  EXPECT_NE(error_of([&] { write_png16(path, 37, 12, values); }).find("37 x 12"), std::string::npos);
+}
+
 TEST_F(PngTest, SameBytesForSamePicture) {
   const Image image = noise(50, 40, 3);
   write_png((folder_ / "a.png").string(), image, {{"k", "v"}});

@@ -233,7 +233,9 @@ TEST(Renderer, MaterialsKeepTheirColourUnlessRepainted) {
   Soup soup;
   const MeshPtr box = make_box({.5, .5, .5});
   soup.positions = box->positions, soup.indices = box->indices;
-  soup.triangle_rgba.assign(12, kBlue);
+  soup.looks.resize(1);
+  soup.looks[0].coloured = true, soup.looks[0].rgba = kBlue;
+  soup.triangle_look.assign(12, 0);
   Scene scene = bare();
   scene.bodies.push_back(sample_body("box", make_mesh(soup), {0, 0, 0}, kRed));
   Camera camera;

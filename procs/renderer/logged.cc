@@ -1,0 +1,76 @@
+#include "procs/renderer/logged.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <lab/input_t.hpp>
+#include <lab/reference_t.hpp>
+#include <lab/robot_state_t.hpp>
+
+#include "procs/wire/codec.h"
+#include "procs/wire/convert.h"
+#include "procs/wire/guard.h"
+#include "procs/wire/log_reader.h"
+#include "procs/wire/log_writer.h"
+#include "procs/wire/step_record.h"
+
+namespace lab::renderer {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Calls f(channel, data) for every message that the guard lets through.
+template <class F>
+void read(const std::string& path, F&& f) {
+  LogReader reader(path);
+  const Guard guard;
+  for (LogEvent event; reader.next(event);)
+    if (const auto channel = channel_of(event.channel); channel && guard.check(*channel, event.data)) f(*channel, event.data);
+}
+
+}  // namespace
+
+std::string find_log(const std::string& source) {
+  if (!fs::is_directory(source)) return source;
+  const std::string log = source + "/log.lcm";
+  if (!fs::exists(log) && fs::exists(part_name(log))) return part_name(log);
+  return log;
+}
+
+Logged survey(const std::string& path) {
+  Logged logged;
+  read(path, [&](Channel channel, std::span<const uint8_t> data) {
+    if (channel == Channel::Run) logged.run = decode<run_t>(data);
+    if (channel == Channel::RobotState) logged.steps.push_back(peek_step(data));
+    if (channel != Channel::Input) return;
+    const auto input = decode<input_t>(data);
+    const auto& values = input.action.values;  // torque, force, seconds
+    if (input.action.verb != "push" || values.size() < 7) return;
+    const double begin = static_cast<double>(input.utime) * 1e-6;
+    logged.pushes.push_back({begin, begin + values[6], input.action.target, {values[3], values[4], values[5]}});
+  });
+  if (logged.run.run == 0) throw ExperimentError(path + ": there is no RUN in this log, so the robot is not known");
+  if (logged.steps.empty()) throw ExperimentError(path + ": there is no ROBOT_STATE in this log, so there is nothing to draw");
+  std::sort(logged.steps.begin(), logged.steps.end());
+  return logged;
+}
+
+std::map<int64_t, Moment> read_moments(const std::string& path, const std::vector<int64_t>& steps, double dt) {
+  std::map<int64_t, Moment> moments;
+  read(path, [&](Channel channel, std::span<const uint8_t> data) {
+    if ((channel != Channel::RobotState && channel != Channel::Reference) || !std::binary_search(steps.begin(), steps.end(), peek_step(data)))
+      return;
+    const int64_t step = peek_step(data);
+    Moment& moment = moments[step];
+    moment.step = step, moment.time = static_cast<double>(step_utime(step, dt)) * 1e-6;
+    if (channel == Channel::Reference) {
+      moment.wanted = to_signal(decode<reference_t>(data)).q;
+    } else {
+      auto state = to_signal(decode<robot_state_t>(data));
+      moment.q = std::move(state.q), moment.v = std::move(state.v);
+    }
+  });
+  std::erase_if(moments, [](const auto& each) { return each.second.q.size() == 0; });
+  return moments;
+}
+
+}  // namespace lab::renderer

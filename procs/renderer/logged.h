@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+#include <lab/run_t.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "procs/renderer/stage.h"
+
+/// A log, read for what pictures need.
+namespace lab::renderer {
+
+/// log.lcm of a run's folder, or what there is of it; any other path as it is.
+std::string find_log(const std::string& source);
+
+struct Logged {
+  run_t run{};
+  std::vector<int64_t> steps;  ///< of which there is a state, rising
+  std::vector<Push> pushes;    ///< by hand
+};
+/// Throws ExperimentError if there is no RUN or no state.
+Logged survey(const std::string& path);
+
+/// The moments at some of its steps (rising), references where they are logged.
+std::map<int64_t, Moment> read_moments(const std::string& path, const std::vector<int64_t>& steps, double dt);
+
+}  // namespace lab::renderer

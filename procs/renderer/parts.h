@@ -1,0 +1,34 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "procs/experiment/robot.h"
+#include "render/mesh_cache.h"
+#include "render/scene.h"
+
+namespace lab::renderer {
+
+Eigen::Isometry3d isometry(const rbd::SE3& pose);
+
+/// Makes parts of a robot's shapes. Each mesh file is read once. One that cannot be had becomes a magenta box of 10 cm,
+/// with one warning that names every place where it was looked for.
+class PartMaker {
+ public:
+  /// `quality` below fine: meshes of more than 1000 triangles are decimated, by at most 2 mm.
+  PartMaker(const Robot& robot, const std::string& quality, std::vector<std::string>& warnings)
+      : robot_(robot), decimated_(quality != "fine"), warnings_(warnings) {}
+
+  render::Part part(const rbd::GeometryObject& shape);
+
+ private:
+  render::MeshPtr mesh(const rbd::GeometryObject& shape);
+  std::string why_missing(const std::string& uri) const;
+
+  const Robot& robot_;
+  const bool decimated_;
+  std::vector<std::string>& warnings_;
+  std::map<std::pair<std::string, double>, render::MeshPtr> meshes_;  ///< by URI and largest scale; null: cannot be had
+};
+
+}  // namespace lab::renderer

@@ -1,0 +1,34 @@
+#include "procs/renderer/robot_scene.h"
+
+#include <rbd/algorithm/kinematics.h>
+
+#include <algorithm>
+
+#include "procs/renderer/parts.h"
+
+namespace lab::renderer {
+std::vector<render::Body> make_bodies(const Robot& robot, const std::string& quality, std::vector<std::string>& links, std::vector<std::string>& warnings) {
+  std::vector<render::Body> bodies;
+  PartMaker maker(robot, quality, warnings);
+  for (rbd::JointIndex joint = 0; joint < static_cast<rbd::JointIndex>(robot.model.njoints); ++joint) {
+    render::Body body;
+    body.name = robot.model.names[joint];
+    for (const auto& shape : robot.geometry.visual) {
+      if (shape.parentJoint != joint) continue;
+      body.parts.push_back(maker.part(shape));
+      const std::string& link = robot.model.frames[shape.parentFrame].name;
+      const auto known = std::find(links.begin(), links.end(), link);
+      body.parts.back().id = static_cast<uint16_t>(known - links.begin());
+      if (known == links.end()) links.push_back(link);
+    }
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+void pose_bodies(const rbd::Model& model, rbd::Data& data, const Eigen::VectorXd& q, std::vector<render::Body>& bodies) {
+  rbd::forwardKinematics(model, data, q);
+  for (size_t joint = 0; joint < bodies.size(); ++joint) bodies[joint].pose = isometry(data.oMi[joint]);
+}
+
+}  // namespace lab::renderer

@@ -1,0 +1,243 @@
+#include "render/markers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace lab::render {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using Eigen::Vector4f;
+
+void need(bool ok, const char* what) {
+  if (!ok) throw std::invalid_argument(what);
+}
+
+bool positive(double x) { return x > 0 && std::isfinite(x); }
+
+Body annotation(const char* name) {
+  Body body;
+  body.name = name;
+  body.annotation = true;
+  return body;
+}
+
+// The frame at `origin` whose z axis has the direction of `z`; x and y lie anyhow.
+Isometry3d along(const Vector3d& origin, const Vector3d& z) {
+  Isometry3d frame = Isometry3d::Identity();
+  frame.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), z).toRotationMatrix();
+  frame.translation() = origin;
+  return frame;
+}
+
+// Meshes that all markers of all scenes share: uploaded once, sized by Part::scale.
+MeshPtr unit_cylinder() {
+  static const MeshPtr mesh = make_cylinder(1, 1, 20);
+  return mesh;
+}
+MeshPtr unit_ball() {
+  static const MeshPtr mesh = make_sphere(1, 28);
+  return mesh;
+}
+MeshPtr unit_cone() {
+  static const MeshPtr mesh = make_cone(1, 1, 28);
+  return mesh;
+}
+
+// A ball of black and white eighths: each eighth a part of its own would draw the same ball eight times, so
+// the colours sit on the vertices, which are doubled along the three great circles.
+MeshPtr com_ball() {
+  static const MeshPtr mesh = [] {
+    auto ball = std::make_shared<Mesh>();
+    const int n = 12;  // steps along each edge of an eighth
+    for (int octant = 0; octant < 8; ++octant) {
+      const Vector3d sign(octant & 1 ? -1 : 1, octant & 2 ? -1 : 1, octant & 4 ? -1 : 1);
+      const bool black = sign.prod() < 0, turn = black;
+      const Vector4f colour = black ? Vector4f(.06f, .06f, .07f, 1) : Vector4f(.96f, .96f, .96f, 1);
+      const auto vertex = [&](int i, int j) {  // barycentric steps, pushed out to the sphere
+        const Vector3d p = Vector3d(i, j, n - i - j).normalized().cwiseProduct(sign);
+        ball->positions.push_back(p.cast<float>());
+        ball->normals.push_back(p.cast<float>());
+        ball->colours.push_back(colour);
+        return static_cast<uint32_t>(ball->positions.size() - 1);
+      };
+      std::vector<std::vector<uint32_t>> at(n + 1);
+      for (int i = 0; i <= n; ++i)
+        for (int j = 0; i + j <= n; ++j) at[i].push_back(vertex(i, j));
+      const auto triangle = [&](uint32_t a, uint32_t b, uint32_t c) {
+        if (turn) std::swap(b, c);  // mirrored an odd number of times
+        ball->indices.insert(ball->indices.end(), {a, b, c});
+      };
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; i + j < n; ++j) {
+          triangle(at[i][j], at[i + 1][j], at[i][j + 1]);
+          if (i + j < n - 1) triangle(at[i + 1][j], at[i + 1][j + 1], at[i][j + 1]);
+        }
+      }
+    }
+    ball->bounds = Bounds(Vector3d::Constant(-1), Vector3d::Constant(1));
+    Surface all;
+    all.count = static_cast<uint32_t>(ball->indices.size());
+    all.rgba.setOnes();
+    all.coloured = true;
+    ball->surfaces.push_back(all);
+    return ball;
+  }();
+  return mesh;
+}
+
+void add_arrow(Body& body, const Vector3d& tail, const Vector3d& vector, double radius,
+               const Vector4f& rgba) {
+  const double length = vector.norm();
+  if (length == 0) return;
+  const double head = std::min(6 * radius, length), wide = 2.4 * radius * head / (6 * radius);
+  const Vector3d z = vector / length;
+  Part part;
+  part.rgba = rgba;
+  if (length > head) {
+    part.mesh = unit_cylinder();
+    part.pose = along(tail + z * (length - head) / 2, z);
+    part.scale = {radius, radius, length - head};
+    body.parts.push_back(part);
+  }
+  part.mesh = unit_cone();
+  part.pose = along(tail + z * (length - head), z);
+  part.scale = {wide, wide, head};
+  body.parts.push_back(part);
+}
+
+Vector4f mix(const std::vector<Vector4f>& stops, double t) {
+  const double last = static_cast<double>(stops.size() - 1);
+  const double place = t > 0 ? std::min(t, 1.0) * last : 0;  // NaN goes to the first
+  const size_t i = std::min(static_cast<size_t>(place), stops.size() - 2);
+  const float part = static_cast<float>(place - static_cast<double>(i));
+  return stops[i] + part * (stops[i + 1] - stops[i]);
+}
+
+}  // namespace
+
+Body make_trace(const std::vector<Vector3d>& points, const std::vector<Vector4f>& colours, double radius) {
+  need(positive(radius), "trace: the radius must be positive and finite");
+  need(colours.size() == points.size() || colours.size() == 1,
+       "trace: one colour for each point, or one for all");
+  Body body = annotation("trace");
+  std::vector<size_t> kept;  // points that moved enough to give a direction
+  for (size_t i = 0; i < points.size(); ++i) {
+    need(points[i].allFinite(), "trace: a point is not finite");
+    if (kept.empty() || (points[i] - points[kept.back()]).norm() > 0.05 * radius) kept.push_back(i);
+  }
+  if (kept.size() < 2) return body;
+
+  // Rings of vertices, carried along without twist. At a bend the ring lies in the plane that halves it.
+  constexpr int kSides = 10;
+  auto tube = std::make_shared<Mesh>();
+  const auto colour_at = [&](size_t k) { return colours.size() == 1 ? colours[0] : colours[kept[k]]; };
+  const auto ring = [&](const Vector3d& centre, const Vector3d& x, const Vector3d& y, const Vector3d& lean,
+                        double r, const Vector4f& colour) {
+    for (int i = 0; i < kSides; ++i) {
+      const double a = 2 * M_PI * i / kSides;
+      const Vector3d out = std::cos(a) * x + std::sin(a) * y;
+      const Vector3d p = centre + r * out;
+      tube->positions.push_back(p.cast<float>());
+      tube->normals.push_back((out + lean).normalized().cast<float>());
+      tube->colours.push_back(colour);
+      tube->bounds.extend(p);
+    }
+    const uint32_t here = static_cast<uint32_t>(tube->positions.size()) - kSides;
+    for (uint32_t i = 0; here > 0 && i < kSides; ++i) {
+      const uint32_t j = (i + 1) % kSides, before = here - kSides;
+      tube->indices.insert(tube->indices.end(),
+                           {before + i, before + j, here + i, before + j, here + j, here + i});
+    }
+  };
+  // Round ends: the same rings, shrinking to a point.
+  const auto cap = [&](const Vector3d& centre, const Vector3d& x, const Vector3d& y, const Vector3d& outwards,
+                       bool start, const Vector4f& colour) {
+    for (int k = 0; k < 4; ++k) {
+      const double a = M_PI / 2 * (start ? 4 - k : k + 1) / 4;  // 0 at the rim, pi/2 at the tip
+      const double r = k == (start ? 0 : 3) ? 1e-3 : std::cos(a);
+      ring(centre + radius * std::sin(a) * outwards, x, y, std::tan(std::min(a, 1.5)) * outwards, r * radius,
+           colour);
+    }
+  };
+  Vector3d x = Vector3d::Zero();
+  for (size_t k = 0; k < kept.size(); ++k) {
+    const Vector3d& p = points[kept[k]];
+    const bool first = k == 0, last = k + 1 == kept.size();
+    const Vector3d into = first ? Vector3d::Zero() : Vector3d((p - points[kept[k - 1]]).normalized());
+    const Vector3d from = last ? Vector3d::Zero() : Vector3d((points[kept[k + 1]] - p).normalized());
+    Vector3d ahead = into + from;
+    if (ahead.norm() < 1e-3) ahead = first ? from : into;  // it turns back on itself
+    ahead.normalize();
+    if (first) x = ahead.unitOrthogonal();
+    x = (x - x.dot(ahead) * ahead);
+    x = x.norm() > 1e-6 ? Vector3d(x.normalized()) : Vector3d(ahead.unitOrthogonal());
+    const Vector3d y = ahead.cross(x);
+    if (first) cap(p, x, y, -ahead, true, colour_at(k));
+    ring(p, x, y, Vector3d::Zero(), radius, colour_at(k));
+    if (last) cap(p, x, y, ahead, false, colour_at(k));
+  }
+  Surface all;
+  all.count = static_cast<uint32_t>(tube->indices.size());
+  all.rgba.setOnes();
+  all.coloured = all.two_sided = true;  // sharp bends may fold
+  tube->surfaces.push_back(all);
+  body.parts.emplace_back().mesh = tube;
+  return body;
+}
+
+Body make_bead(const Vector3d& at, double radius, const Vector4f& rgba) {
+  need(positive(radius) && at.allFinite(), "bead: place and radius must be finite, the radius positive");
+  Body body = annotation("bead");
+  body.pose.translation() = at;
+  Part& ball = body.parts.emplace_back();
+  ball.mesh = unit_ball();
+  ball.scale.setConstant(radius);
+  ball.rgba = rgba;
+  return body;
+}
+
+Body make_arrow(const Vector3d& tail, const Vector3d& vector, double radius, const Vector4f& rgba) {
+  need(positive(radius) && tail.allFinite() && vector.allFinite(),
+       "arrow: tail, vector and radius must be finite, the radius positive");
+  Body body = annotation("arrow");
+  add_arrow(body, tail, vector, radius, rgba);
+  return body;
+}
+
+Body make_axes(const Isometry3d& frame, double length) {
+  need(positive(length), "axes: the length must be positive and finite");
+  Body body = annotation("axes");
+  body.pose = frame;
+  const Vector4f colours[3] = {{.86f, .18f, .15f, 1}, {.20f, .66f, .25f, 1}, {.18f, .38f, .90f, 1}};
+  for (int axis = 0; axis < 3; ++axis)
+    add_arrow(body, Vector3d::Zero(), length * Vector3d::Unit(axis), 0.03 * length, colours[axis]);
+  return body;
+}
+
+Body make_com(const Vector3d& at, double radius) {
+  Body body = make_bead(at, radius, Vector4f::Ones());
+  body.name = "com";
+  body.parts[0].mesh = com_ball();
+  return body;
+}
+
+Vector4f ramp_time(double t) {
+  static const std::vector<Vector4f> stops{
+      {.13f, .45f, .93f, 1}, {.33f, .34f, .80f, 1}, {.55f, .33f, .58f, 1}, {.90f, .32f, .24f, 1}};
+  return mix(stops, t);
+}
+
+// Stops close to the familiar perceptual scale from violet to yellow.
+Vector4f ramp_value(double t) {
+  static const std::vector<Vector4f> stops{{.27f, .02f, .35f, 1},
+                                           {.23f, .32f, .55f, 1},
+                                           {.13f, .57f, .55f, 1},
+                                           {.37f, .79f, .38f, 1},
+                                           {.99f, .91f, .15f, 1}};
+  return mix(stops, t);
+}
+
+}  // namespace lab::render

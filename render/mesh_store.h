@@ -1,0 +1,41 @@
+// Meshes and textures on OpenGL's side: uploaded at first sight, kept while somebody holds them.
+#pragma once
+
+#include <unordered_map>
+
+#include "render/clusters.h"
+
+namespace lab::render {
+
+// A mesh on the GL side. Vertex attributes: 0 position, 1 normal, 2 texture place, 3 colour (linear).
+struct Buffers {
+  std::weak_ptr<const Mesh> alive;  // expired when nobody else holds the mesh any more
+  unsigned array = 0, vertices = 0, extra = 0, indices = 0;
+  bool has_uvs = false, has_colours = false;
+  Clusters clusters;  // without their indices: those are uploaded
+  // The stand-in for shadows: positions only.
+  unsigned coarse_array = 0, coarse_vertices = 0, coarse_indices = 0;
+  int coarse_count = 0;
+};
+
+class MeshStore {
+ public:
+  const Buffers& get(const MeshPtr& mesh);
+  unsigned get(const std::shared_ptr<const Texture>& texture);
+  // A new mesh may get the address of a dead one: call this before get() in every frame.
+  void forget_dead();
+
+ private:
+  struct Uploaded {
+    std::weak_ptr<const Texture> alive;
+    unsigned id;
+  };
+  std::unordered_map<const Mesh*, Buffers> meshes_;
+  std::unordered_map<const Texture*, Uploaded> textures_;
+};
+
+// Draws those triangles of a surface that may face the viewer (in the mesh's axes, as may_face takes it).
+void draw_surface(const Buffers& mesh, size_t surface, const Eigen::Vector4f& viewer);
+void draw_coarse(const Buffers& mesh);
+
+}  // namespace lab::render

@@ -1,0 +1,264 @@
+#include "render/passes.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "render/shaders.h"
+
+namespace lab::render {
+namespace {
+
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using Eigen::Vector4f;
+
+constexpr float kShadowBlur = 0.0045f;  // radius on bodies, as part of the shadow map's side
+constexpr double kSunSize = 0.045;      // tangent of the sun's apparent radius, wider than nature's
+
+Eigen::Matrix4f to_float(const Matrix4d& m) { return m.cast<float>(); }
+Vector4f linear(const Vector4f& c) { return {c[0] * c[0], c[1] * c[1], c[2] * c[2], c[3]}; }
+
+void bind(unsigned unit, unsigned texture) {
+  glActiveTexture(GL_TEXTURE0 + unit);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glActiveTexture(GL_TEXTURE0);
+}
+
+void set_sides(bool mirrored, bool two_sided) {
+  glFrontFace(mirrored ? GL_CW : GL_CCW);
+  two_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+}
+
+Matrix4d clip_from_part(const Sight& sight, const Item& item) {
+  return sight.clip_from_world * item.world_from_part.matrix();
+}
+
+// A weak light from the other side than the sun: shaded sides keep their form.
+Vector3d fill_light(const Vector3d& sun) { return Vector3d(-sun.x(), -sun.y(), 0.25).normalized(); }
+
+Vector3f disk(const Sight& sight) {
+  return {static_cast<float>(sight.floor_centre.x()), static_cast<float>(sight.floor_centre.y()),
+          static_cast<float>(sight.floor_radius)};
+}
+
+// Places on a disk that cover it evenly and without a pattern.
+std::vector<Eigen::Vector2f> sunflower() {
+  std::vector<Eigen::Vector2f> places;
+  for (int i = 0; i < 16; ++i) {
+    const double r = std::sqrt((i + 0.5) / 16), turn = 2.399963 * i;  // the golden angle
+    places.push_back(Eigen::Vector2d(r * std::cos(turn), r * std::sin(turn)).cast<float>());
+  }
+  return places;
+}
+
+}  // namespace
+
+// Texture units: 0 the shadow map compared (or the samples to average), 1 a surface's texture, 2 the shadow
+// map read as numbers.
+Passes::Passes(bool shadow) : shadow_(shadow) {
+  glGenVertexArrays(1, &no_array_);
+  if (!shadow) return;
+  glGenSamplers(2, samplers_);
+  for (unsigned sampler : samplers_) {
+    glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  }
+  glSamplerParameteri(samplers_[1], GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glSamplerParameteri(samplers_[1], GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  glBindSampler(2, samplers_[0]);
+  glBindSampler(3, samplers_[1]);
+}
+
+const Program& Passes::lazily(std::unique_ptr<Program>& program, const char* name, const char* vertex,
+                              const char* fragment, const char* defines) {
+  if (!program) program = std::make_unique<Program>(name, defines, vertex, fragment);
+  program->use();
+  return *program;
+}
+
+void Passes::triangle_over_all() {
+  glBindVertexArray(no_array_);
+  glDisable(GL_CULL_FACE);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Passes::draw_floor(const Program& program, const Sight& sight, const Ground& ground,
+                        const Eigen::AlignedBox2d& area) {
+  program.set("u_clip_from_world", to_float(sight.clip_from_world));
+  program.set("u_height", static_cast<float>(ground.height));
+  const Eigen::Vector4d rectangle(area.min().x(), area.min().y(), area.max().x(), area.max().y());
+  program.set("u_rectangle", Vector4f(rectangle.cast<float>()));
+  glBindVertexArray(no_array_);
+  glDisable(GL_CULL_FACE);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+void Passes::background(const Sight& sight, const Ground& ground) {
+  glDisable(GL_DEPTH_TEST);
+  lazily(sky_, "sky", shaders::kSkyVertex, shaders::kSkyFragment)
+      .set("u_world_from_clip", to_float(sight.sight_from_clip));
+  triangle_over_all();
+  if (!sight.floor_seen) return;
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE);
+  const Program& floor = lazily(floor_, "floor", shaders::kFloorVertex, shaders::kFloorFragment);
+  floor.set("u_disk", disk(sight));
+  floor.set("u_spacing", static_cast<float>(ground.spacing));
+  draw_floor(floor, sight, ground, sight.floor());
+  glDisable(GL_BLEND);
+}
+
+void Passes::shadow_map(const Sight& sight, const Items& items) {
+  glViewport(0, 0, kShadowSide, kShadowSide);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.5f, 4.0f);
+  const Program& depth = lazily(depth_, "depth", shaders::kDepthVertex, shaders::kDepthFragment);
+  for (const Caster& caster : items.casters) {
+    depth.set("u_clip_from_part", to_float(sight.shadow.clip_from_world * caster.world_from_part.matrix()));
+    set_sides(caster.mirrored, caster.two_sided);
+    draw_coarse(*caster.mesh);
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+void Passes::floor_shadow(const Sight& sight, const Scene& scene, unsigned shadow_map) {
+  if (!sight.floor_seen || sight.shadow.on_floor.isEmpty()) return;
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_DST_COLOR, GL_ZERO);
+  bind(0, shadow_map);
+  bind(2, shadow_map);
+  const Program& p =
+      lazily(floor_shadow_, "floor shadow", shaders::kFloorVertex, shaders::kFloorShadowFragment);
+  p.set("u_shadow_depth", 2);
+  p.set("u_places", sunflower());
+  p.set("u_disk", disk(sight));
+  p.set("u_sun_strength", scene.light.strength);
+  p.set("u_shadow_from_world", to_float(sight.shadow_from_world()));
+  p.set("u_penumbra", Vector3f(1.2f / kShadowSide, 0.016f,
+                               static_cast<float>(kSunSize * sight.shadow.depth / sight.shadow.side)));
+  draw_floor(p, sight, scene.ground, sight.shadow.on_floor);
+  glDisable(GL_BLEND);
+}
+
+void Passes::floor_depth(const Sight& sight, const Ground& ground) {
+  if (!sight.floor_seen) return;
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  draw_floor(lazily(floor_depth_, "floor depth", shaders::kFloorVertex, shaders::kDepthFragment), sight,
+             ground, sight.floor());
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+// The program for an item, with all that is the same for the whole frame.
+const Program& Passes::body(const Item& item, const Sight& sight, const Light& light, unsigned shadow_map) {
+  const bool textured = item.texture != 0, coloured = item.mesh->has_colours;
+  std::string defines = shadow_ ? "#define SHADOW\n" : "";
+  if (textured) defines += "#define TEXTURE\n";
+  if (coloured) defines += "#define COLOURS\n";
+  const Program& p = lazily(bodies_[textured + 2 * coloured], "body", shaders::kBodyVertex,
+                            shaders::kBodyFragment, defines.c_str());
+  p.set("u_eye", Vector4f(sight.eye.cast<float>()));
+  p.set("u_sun", Vector3f(sight.sun.cast<float>()));
+  p.set("u_fill", Vector3f(fill_light(sight.sun).cast<float>()));
+  p.set("u_sun_strength", light.strength);
+  if (textured) p.set("u_texture", 1);
+  if (!shadow_) return p;
+  bind(3, shadow_map);
+  p.set("u_shadow_map", 3);
+  p.set("u_shadow_from_world", to_float(sight.shadow_from_world()));
+  p.set("u_shadow_radius", kShadowBlur);
+  p.set("u_shadow_lift", static_cast<float>((kShadowBlur + 1.5 / kShadowSide) * sight.shadow.side));
+  return p;
+}
+
+void Passes::draw_items(const Sight& sight, const Light& light, const std::vector<const Item*>& items,
+                        unsigned shadow_map) {
+  for (int kind = 0; kind < 4; ++kind) {  // one program after the other
+    const Program* p = nullptr;
+    for (const Item* item : items) {
+      if ((item->texture != 0) + 2 * item->mesh->has_colours != kind) continue;
+      if (!p) p = &body(*item, sight, light, shadow_map);
+      if (item->texture) bind(1, item->texture);
+      Vector4f colour = linear(item->rgba);
+      const Vector4f tint = linear(item->tint);
+      if (kind > 0)
+        p->set("u_tint", tint);
+      else
+        colour.head<3>() += tint[3] * (tint.head<3>() - colour.head<3>());
+      const float rough = item->roughness * item->roughness, a = rough * rough;
+      p->set("u_colour", colour);
+      p->set("u_gloss", Vector3f(a, a - 1, 0.04f / (4 * item->roughness + 2)));
+      p->set("u_clip_from_part", to_float(clip_from_part(sight, *item)));
+      p->set("u_world_from_part", to_float(item->world_from_part.matrix()));
+      const Eigen::Matrix3d normals = item->world_from_part.linear().inverse().transpose();
+      p->set("u_normal_from_part", Eigen::Matrix3f(normals.cast<float>()));
+      set_sides(item->mirrored, item->two_sided);
+      draw_surface(*item->mesh, item->surface, item->viewer);
+    }
+  }
+}
+
+void Passes::solid(const Sight& sight, const Light& light, const Items& items, unsigned shadow_map) {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  draw_items(sight, light, items.solid, shadow_map);
+}
+
+void Passes::glass(const Sight& sight, const Light& light, const Glass& piece, unsigned shadow_map) {
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  // Where a ghost stands in the solid robot (its base, as a rule) the robot must win, not flicker.
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(2.f, 200.f);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  draw_items(sight, light, piece, shadow_map);  // the same programs: exactly the same depths
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthFunc(GL_EQUAL);
+  glDepthMask(GL_FALSE);
+  draw_items(sight, light, piece, shadow_map);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LEQUAL);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_BLEND);
+}
+
+void Passes::average(unsigned samples) {
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  bind(0, samples);
+  lazily(average_, "average", shaders::kAverageVertex, shaders::kAverageFragment);
+  triangle_over_all();
+  glDisable(GL_BLEND);
+}
+
+void Passes::measure(const Sight& sight, const Ground& ground, const Items& items) {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  if (sight.floor_seen) {
+    const Program& floor =
+        lazily(floor_measure_, "floor measure", shaders::kFloorVertex, shaders::kFloorMeasureFragment);
+    floor.set("u_depth_from_world", Vector4f(sight.depth_from_world.cast<float>()));
+    floor.set("u_disk", disk(sight));
+    draw_floor(floor, sight, ground, sight.floor());
+  }
+  const Program& p = lazily(measure_, "measure", shaders::kMeasureVertex, shaders::kMeasureFragment);
+  for (const Item& item : items.all) {
+    if (item.annotation) continue;
+    p.set("u_clip_from_part", to_float(clip_from_part(sight, item)));
+    const Eigen::Vector4d depth = item.world_from_part.matrix().transpose() * sight.depth_from_world;
+    p.set("u_depth_from_part", Vector4f(depth.cast<float>()));
+    p.set("u_id", static_cast<float>(item.id));
+    set_sides(item.mirrored, item.two_sided);
+    draw_surface(*item.mesh, item.surface, item.viewer);
+  }
+}
+
+}  // namespace lab::render
