@@ -12,13 +12,13 @@ cmake --install "$build" --prefix "$work/first" --component core >"$work/install
 mv "$work/first" "$work/prefix"
 find "$work/prefix/include" -path '*inner*' | grep . && { echo "inner headers are installed"; exit 1; }
 
-cmake -S "$here/outside" -B "$work/outside" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_COMPILER="$compiler" \
+cmake -G Ninja -S "$here/outside" -B "$work/outside" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_COMPILER="$compiler" \
   -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" 2>&1 || { cat "$work/configure.log"; exit 1; }
 cmake --build "$work/outside" >"$work/build.log" 2>&1 || { cat "$work/build.log"; exit 1; }
 "$work/outside/outside"
 
 # what is not there is said
-if cmake -S "$here/outside" -B "$work/missing" -DCMAKE_PREFIX_PATH="$work/prefix" -DEXTRA=wings >"$work/missing.log" 2>&1; then
+if cmake -G Ninja -S "$here/outside" -B "$work/missing" -DCMAKE_PREFIX_PATH="$work/prefix" -DEXTRA=wings >"$work/missing.log" 2>&1; then
   echo "a component 'wings' was found" && exit 1
 fi
 grep -q wings "$work/missing.log"
