@@ -1,5 +1,9 @@
 #include "render/context.h"
 
+// clang-format off
+#include "render/gl_entry.h"  // before osmesa.h: that brings an older header of GL
+// clang-format on
+
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GL/osmesa.h>
@@ -10,7 +14,6 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "render/gl_entry.h"  // before osmesa.h: that brings an older header of GL
 
 #ifdef __SANITIZE_ADDRESS__
 // OSMesa 22.3 never frees the 160 bytes that a context's surface takes, EGL keeps its driver: not our leaks,
