@@ -125,38 +125,57 @@ class Decimator {
     }
   }
 
-  // Points that must stay: on a side that is not shared by exactly two triangles in opposite directions,
-  // where looks meet, where the texture is cut.
+  // Points on the rim of a hole, which move along it; and points that must stay: on a side of two triangles
+  // in the same direction or of more than two, where rims meet, where looks meet, where the texture is cut.
   void find_fixed() {
-    fixed_.resize(place_.size(), false);
+    fixed_.resize(place_.size(), false), rim_.resize(place_.size(), false);
     struct Side {
       uint32_t low, high;
       bool forward;
+      uint32_t triangle;
     };
     std::vector<Side> sides;
     for (uint32_t c = 0; c < corners_.size(); ++c) {
       const uint32_t a = point(c), b = point(c % 3 == 2 ? c - 2 : c + 1);
-      sides.push_back({std::min(a, b), std::max(a, b), a < b});
+      sides.push_back({std::min(a, b), std::max(a, b), a < b, c / 3});
     }
     std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
       return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.forward < b.forward;
     });
+    std::vector<int> rims(place_.size(), 0);
     for (size_t i = 0; i < sides.size();) {
       size_t end = i + 1;
       while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;
-      if (end - i != 2 || sides[i].forward == sides[i + 1].forward)
-        fixed_[sides[i].low] = fixed_[sides[i].high] = true;
+      const uint32_t low = sides[i].low, high = sides[i].high;
+      if (end - i == 1) {
+        ++rims[low], ++rims[high];
+        // a wall along the rim, upright on its triangle: to leave it costs as much as to leave a surface
+        const Vector3d along = place_[high] - place_[low];
+        const Vector3d wall = along.cross(normal(triangle(sides[i].triangle))).normalized();
+        for (uint32_t p : {low, high}) quadrics_[p].add(wall, -wall.dot(place_[low]));
+      } else if (end - i != 2 || sides[i].forward == sides[i + 1].forward) {
+        fixed_[low] = fixed_[high] = true;
+      }
       i = end;
+    }
+    for (uint32_t p = 0; p < place_.size(); ++p) {
+      rim_[p] = rims[p] == 2;
+      if (rims[p] != 0 && rims[p] != 2) fixed_[p] = true;
     }
     std::vector<uint32_t> look(place_.size(), ~0u), vertex(place_.size(), ~0u);
     for (uint32_t s = 0; s < mesh_.surfaces.size(); ++s)
       for (uint32_t c = mesh_.surfaces[s].first; c < mesh_.surfaces[s].first + mesh_.surfaces[s].count; ++c) {
         const uint32_t p = point(c);
-        if (look[p] != ~0u && look[p] != s) fixed_[p] = true;
+        if (look[p] != ~0u && !looks_alike(mesh_.surfaces[look[p]], mesh_.surfaces[s])) fixed_[p] = true;
         if (vertex[p] != ~0u && !mesh_.uvs.empty() && mesh_.uvs[vertex[p]] != mesh_.uvs[corners_[c]])
           fixed_[p] = true;
         look[p] = s, vertex[p] = corners_[c];
       }
+  }
+
+  static bool looks_alike(const Surface& a, const Surface& b) {
+    return a.coloured == b.coloured && a.rgba == b.rgba && a.texture == b.texture &&
+           a.roughness == b.roughness;
   }
 
   std::vector<uint32_t> neighbours(uint32_t p) const {
@@ -184,12 +203,16 @@ class Decimator {
     return point(3 * t) == p || point(3 * t + 1) == p || point(3 * t + 2) == p;
   }
 
-  // Two triangles vanish, none of the others turns over or loses the side that its normals are on.
+  // Two triangles vanish (one at a rim), none of the others turns over or loses the side that its normals are
+  // on.
   bool possible(uint32_t from, uint32_t to) const {
     const std::vector<uint32_t> a = neighbours(from), b = neighbours(to);
     std::vector<uint32_t> common;
     std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
-    if (common.size() != 2) return false;  // the surface would be pinched
+    // A point on a rim moves along it. With other common neighbours the surface would be pinched.
+    const auto shared =
+        std::count_if(around_[from].begin(), around_[from].end(), [&](uint32_t t) { return has(t, to); });
+    if (rim_[from] ? shared != 1 || common.size() != 1 : shared != 2 || common.size() != 2) return false;
     for (uint32_t t : around_[from]) {
       if (has(t, to)) continue;
       auto p = triangle(t);
@@ -255,7 +278,7 @@ class Decimator {
   std::vector<Quadric> quadrics_;
   std::vector<std::vector<uint32_t>> around_;  // living triangles at each point
   std::vector<uint32_t> age_;
-  std::vector<bool> fixed_, dead_;
+  std::vector<bool> fixed_, rim_, dead_;
   size_t alive_ = 0;
   std::priority_queue<Move> moves_;
 };

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "render/sides.h"
+
 namespace lab::render {
 namespace {
 
@@ -212,6 +214,26 @@ std::vector<uint32_t> share_vertices(const Welded& w, const Soup& soup, const st
   return vertex_of;
 }
 
+// Triangles that somebody outside sees from behind, through holes or because they are the wrong way round,
+// and what touches them, twice over: between two looks there is always another one. All others may be drawn
+// from their front alone.
+std::vector<bool> find_two_sided(const Welded& w, const std::vector<bool>& turned) {
+  std::vector<uint32_t> corners = w.corners;
+  for (size_t t = 0; t < turned.size(); ++t)
+    if (turned[t]) std::swap(corners[3 * t + 1], corners[3 * t + 2]);
+  const std::vector<Seen> seen = look_from_all_around(w.points, corners);
+  std::vector<bool> both(seen.size());
+  for (size_t t = 0; t < seen.size(); ++t) both[t] = seen[t].back > 0;
+  for (int ring = 0; ring < 2; ++ring) {
+    std::vector<bool> touched(w.points.size(), false);
+    for (uint32_t c = 0; c < w.corners.size(); ++c)
+      if (both[c / 3]) touched[w.corners[c]] = true;
+    for (uint32_t c = 0; c < w.corners.size(); ++c)
+      if (touched[w.corners[c]]) both[c / 3] = true;
+  }
+  return both;
+}
+
 }  // namespace
 
 MeshPtr make_mesh(const Soup& soup, double crease) {
@@ -278,6 +300,7 @@ MeshPtr make_mesh(const Soup& soup, double crease) {
     turned[t] = !open[piece] && volume[piece] < 0;
     if (turned[t]) w.normals[t] = -w.normals[t];
   }
+  const std::vector<bool> both_sides = find_two_sided(w, turned);
 
   std::vector<Vector3f> normals = given_normals(w, soup);
   if (normals.empty()) normals = made_normals(w, smooth);
@@ -293,7 +316,7 @@ MeshPtr make_mesh(const Soup& soup, double crease) {
   std::map<std::pair<uint32_t, bool>, size_t> run_of;
   for (uint32_t t = 0; t < count; ++t) {
     const uint32_t look = soup.triangle_look.empty() ? 0 : soup.triangle_look[w.source[t]];
-    const bool two_sided = open[pieces.find(t)];
+    const bool two_sided = both_sides[t];
     const auto [it, fresh] = run_of.try_emplace({look, two_sided}, runs.size());
     if (fresh) {
       runs.push_back({soup.triangle_look.empty() ? Surface{} : soup.looks[look], {}});

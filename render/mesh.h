@@ -27,7 +27,7 @@ struct Surface {
   float roughness = 0.45f;                 // 0 a mirror's sharp highlight, 1 none to speak of
   std::shared_ptr<const Texture> texture;  // multiplies the colour; needs Mesh::uvs
   bool coloured = false;   // the file itself gave the colour; otherwise the Part's colour is used
-  bool two_sided = false;  // open or badly oriented: both sides are drawn, so that nothing shows a hole
+  bool two_sided = false;  // its back can be seen: both sides are drawn, so that nothing shows a hole
 };
 
 struct Mesh {
@@ -62,10 +62,11 @@ struct Soup {
   std::vector<uint32_t> triangle_look;   // one of looks per triangle, or none at all: uncoloured
 };
 
-// A mesh to draw: triangles without area dropped, equal positions welded, holes found, inside-out pieces
-// turned. Given normals are kept if nearly all of them suit their triangles; otherwise normals are made, with
-// creases where the surface bends by more than `crease` radians. Throws std::invalid_argument for arrays of
-// unequal length, an index out of range, a non-finite coordinate, or nothing left to draw.
+// A mesh to draw: triangles without area dropped, equal positions welded, inside-out pieces turned, and those
+// triangles found whose back can be seen from outside. Given normals are kept if nearly all of them suit
+// their triangles; otherwise normals are made, with creases where the surface bends by more than `crease`
+// radians. Throws std::invalid_argument for arrays of unequal length, an index out of range, a non-finite
+// coordinate, or nothing left to draw.
 MeshPtr make_mesh(const Soup& soup, double crease = 0.7);
 
 // Fewer triangles for nearly the same picture: vertices are moved onto their neighbours, cheapest first,
