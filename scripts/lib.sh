@@ -8,6 +8,8 @@ LAB_BUILD=${LAB_BUILD:-$LAB_ROOT/build/release} # another build's programs: LAB_
 LAB_RUNS=${LAB_RUNS:-$LAB_ROOT/runs}
 LAB_ROBOTS=${XDG_CACHE_HOME:-${HOME:-/nonexistent}/.cache}/lcmlab/robots/example-robot-data-6.0.0
 export LAB_ROOT LAB_BUILD LAB_RUNS
+# As root of a user namespace, which a private run may be, Mesa would look for its cache in /root.
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-/nonexistent}/.cache}}
 case ":$PATH:" in *":$LAB_BUILD/bin:"*) ;; *) export PATH="$LAB_BUILD/bin:$PATH" ;; esac
 
 # package://example-robot-data/... resolves once `lab robots` has been here.

@@ -98,7 +98,7 @@ TEST_F(SweepFile, FaultsHaveALineAndANearName) {
   const std::string ok = "grid: {controller.kp: [10]}\n";
   EXPECT_EQ(fault(ok), "");
   EXPECT_EQ(fault("gird: {controller.kp: [10]}\n"), "s.yaml:2: unknown key 'gird'; did you mean 'grid'?");
-  EXPECT_EQ(fault("grid:\n  controler.kp: [10]\n"), "s.yaml:3: unknown key 'controler.kp'; did you mean 'controller.kp'?");
+  EXPECT_EQ(fault("grid:\n  controler.kp: [10]\n"), "s.yaml:3: unknown section 'controler'; did you mean 'controller'?");
   EXPECT_EQ(fault("grid:\n  controller.kp: [10, -1]\n").substr(0, 57), "s.yaml:3: controller.kp: -1 is too small; give at least 0");
   EXPECT_EQ(fault("grid:\n  controller.kp: [10]\n  simulator.dt: [0.01, abc]\n"), "s.yaml:4: simulator.dt: must be a number, not 'abc'");
   EXPECT_EQ(fault("grid:\n  controller.kp: [10]\n\n  controller.kp.elbow: [1]\n"), "s.yaml:5: controller.kp.elbow: 'kp' is not a map in cubic_pd.yaml");
