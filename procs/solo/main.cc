@@ -1,6 +1,4 @@
 #include <fmt/format.h>
-#include <signal.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 
@@ -8,10 +6,7 @@
 #include "procs/logger/log_files.h"
 #include "procs/run/shell.h"
 #include "procs/solo/solo.h"
-
-namespace {
-volatile sig_atomic_t interrupted = 0;
-}
+#include "procs/wire/interrupt.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Runs an experiment in one process, without a bus: log.lcm gets the same bytes as from separate processes.", "lab-solo"};
@@ -27,20 +22,14 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
   }
   return lab::guarded_main("lab-solo", [&] {
-    struct sigaction action {};
-    action.sa_handler = [](int number) {
-      if (interrupted) _exit(128 + number);
-      interrupted = number;
-    };
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+    lab::heed_signals();
     const lab::Experiment experiment = lab::load_experiment(experiment_file, overrides);
     if (experiment.simulator.clock != "lockstep")
       lab::fail(experiment, "simulator.clock", "is " + experiment.simulator.clock + "; in one process there is no bus to be late on: use lockstep");
     const lab::Robot robot = lab::load_robot(experiment);
     lab::logger::LogFiles files(run_dir);
-    const lab::Outcome outcome = lab::solo::run(experiment, robot, files, [](int64_t) { return !interrupted; });
+    const lab::Outcome outcome = lab::solo::run(experiment, robot, files, [](int64_t) { return !lab::interrupted; });
     if (!outcome.reason.empty()) fmt::print(stderr, "lab-solo: {}\n", outcome.reason);
-    return outcome.exit_code != lab::kOk ? outcome.exit_code : interrupted ? 128 + interrupted : lab::kOk;
+    return outcome.exit_code != lab::kOk ? outcome.exit_code : lab::interrupted ? 128 + lab::interrupted : lab::kOk;
   });
 }

@@ -8,9 +8,9 @@
 #include <exception>
 #include <thread>
 
-namespace lab::sweep {
+#include "procs/wire/interrupt.h"
 
-std::atomic<int> interrupted = 0;
+namespace lab::sweep {
 
 namespace {
 

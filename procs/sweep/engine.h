@@ -1,5 +1,4 @@
 #pragma once
-#include <atomic>
 #include <span>
 #include <string>
 #include <vector>
@@ -8,9 +7,6 @@
 #include "procs/sweep/workbench.h"
 
 namespace lab::sweep {
-
-/// The signal that asked for an end; 0 = none yet. Everybody who waits or works looks at it.
-extern std::atomic<int> interrupted;
 
 /// How far it is, on stderr: a bar that stays on its line if that is a terminal, else a line every ten seconds.
 class Progress {

@@ -12,6 +12,7 @@
 
 #include "procs/experiment/manifest.h"
 #include "procs/sweep/engine.h"
+#include "procs/wire/interrupt.h"
 
 namespace lab::sweep {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -18,6 +17,7 @@
 #include "procs/sweep/engine.h"
 #include "procs/sweep/page.h"
 #include "procs/sweep/table.h"
+#include "procs/wire/interrupt.h"
 
 namespace lab::sweep {
 namespace {
@@ -25,16 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kTasks = 8;          // of Slurm, unless -j says otherwise
 constexpr size_t kNamed = 10;      // runs that are named when something is wrong with them
-
-void heed_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int number) {
-    if (interrupted) _exit(128 + number);
-    interrupted = number;
-  };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 /// The sweep's folder, ours for as long as this process lives. Returns "" or what is wrong.
 std::string take_folder(const std::string& dir) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <sched.h>
-#include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <time.h>
@@ -13,6 +12,7 @@
 #include <lab/process_t.hpp>
 
 #include "procs/wire/codec.h"
+#include "procs/wire/interrupt.h"
 #include "procs/wire/lateness.h"
 #include "procs/wire/step_record.h"
 
@@ -20,20 +20,6 @@ namespace lab {
 namespace {
 
 constexpr Micros kEarly = 50;  // before a tick the process is awake and looks: a sleep may end that much late
-
-volatile sig_atomic_t signals_seen = 0;
-
-void on_signal(int number) {
-  if (signals_seen) _exit(128 + number);
-  signals_seen = number;
-}
-
-void catch_signals() {
-  struct sigaction action {};
-  action.sa_handler = on_signal;  // no SA_RESTART: a wait in the bus ends early
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 Micros clock_now(clockid_t clock) {
   timespec t;
@@ -100,7 +86,7 @@ Participant::Participant(ParticipantOptions options)
       nonce_(launch_nonce()),
       loops_(256, 0.f) {
   for (const ChannelRow& channel : kChannelTable) wire_names_.push_back(wire_name(channel.id, options_.prefix));
-  catch_signals();
+  heed_signals();
 }
 
 Publish Participant::publish() {
@@ -153,7 +139,7 @@ int Participant::run(Role& role) {
         if (!woken) woken = monotonic_now();
         receive(role, datagram);
       }, role.batch());
-      if (signals_seen && !stopping) stopping = true, role.stop(monotonic_now());
+      if (interrupted && !stopping) stopping = true, role.stop(monotonic_now());
       const Micros now = monotonic_now();
       role.tick(now);
       if (role.urgency() > 0 && !urgent) urgent = true, go_realtime(options_.name, role.urgency());
