@@ -2,33 +2,8 @@
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
-#include <cstdlib>
-
 #include "procs/controller/controller.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define LAB_NO_MALLOC_HOOK
-#endif
-
-namespace {
-bool counting = false;
-int allocations = 0;
-}  // namespace
-
-#ifndef LAB_NO_MALLOC_HOOK
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-void* malloc(std::size_t size) {
-  if (counting) ++allocations;
-  return __libc_malloc(size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  if (counting) ++allocations;
-  return __libc_memalign(alignment, size);
-}
-}
-#endif
+#include "tests/support/malloc_hook.h"
 
 namespace lab::controller {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "procs/controller/controller.h"
 #include "procs/simulator/simulator.h"
+#include "tests/procs/refusal.h"
 
 namespace lab::controller {
 namespace {
@@ -297,12 +298,7 @@ TEST(TaskLaws, GainsCanBeSetWhileTheyRun) {
 }
 
 std::string refusal(const Experiment& e, const rbd::Model& model) {
-  try {
-    make_config(e, model);
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { make_config(e, model); });
 }
 
 TEST(TaskLaws, RefuseWhatTheyCannotDo) {

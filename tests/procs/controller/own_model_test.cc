@@ -6,6 +6,7 @@
 
 #include "procs/controller/controller.h"
 #include "procs/experiment/robot.h"
+#include "tests/procs/refusal.h"
 
 namespace lab::controller {
 namespace {
@@ -103,12 +104,7 @@ std::string refusal(const rbd::Model& model, const std::vector<std::string>& wit
   e.file = "x.yaml";
   e.controller.model.without = without;
   if (!shifted.empty()) e.controller.model.com_shift[shifted] = {0, 0, 0.1};
-  try {
-    own_model(e, model);
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { own_model(e, model); });
 }
 
 TEST(OwnModel, RefusesWhatIsNoBody) {

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "procs/planner/planner.h"
+#include "tests/procs/refusal.h"
 
 namespace lab::planner {
 namespace {
@@ -70,12 +71,7 @@ Vector3d turned(const Experiment& e, const Vector3d& start, double share) {
 }
 
 std::string refusal(const Experiment& e, const rbd::Model& model = arm()) {
-  try {
-    make_config(e, model);
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { make_config(e, model); });
 }
 
 TEST(CartesianPath, TheFrameIsOnTheLineAndKeepsItsOrientation) {

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "tests/procs/refusal.h"
+
 namespace lab::planner {
 namespace {
 
@@ -33,12 +35,7 @@ Reference at(const Config& config, int64_t k) {
 }
 
 std::string refusal(const Experiment& e, const rbd::Model& model) {
-  try {
-    make_config(e, model);
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { make_config(e, model); });
 }
 
 TEST(Planner, PolynomialsStartAndEndAtRest) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "procs/planner/planner.h"
+#include "tests/procs/refusal.h"
 
 namespace lab::planner {
 namespace {
@@ -35,12 +36,7 @@ Reference at(const Config& config, int64_t k) {
 }
 
 std::string refusal(const Experiment& e) {
-  try {
-    make_config(e, arm());
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { make_config(e, arm()); });
 }
 
 /// Along the whole motion and the rest after it: largest shares of the limits, and of what finite differences allow.

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "procs/simulator/ledger.h"
+#include "tests/procs/refusal.h"
 
 namespace lab::simulator {
 namespace {
@@ -186,12 +187,7 @@ TEST(SoftStops, DampingTakesEnergyAndTheLedgerSaysHowMuch) {
 }
 
 std::string refusal(const Experiment& e, const rbd::Model& model) {
-  try {
-    make_config(e, model);
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { make_config(e, model); });
 }
 
 TEST(Disturbances, SayWhatIsWrongWithThem) {

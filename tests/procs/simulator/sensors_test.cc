@@ -10,6 +10,7 @@
 
 #include "procs/simulator/noise.h"
 #include "procs/simulator/simulator.h"
+#include "tests/procs/refusal.h"
 
 namespace lab::simulator {
 namespace {
@@ -113,12 +114,7 @@ TEST(Sensors, SayWhatWasAndTheRobotDoesNotCare) {
 }
 
 std::string refusal(const Experiment& e, const rbd::Model& model) {
-  try {
-    make_config(e, model);
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { make_config(e, model); });
 }
 
 TEST(Sensors, SayWhatTheyCannotDo) {
