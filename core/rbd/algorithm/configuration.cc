@@ -119,10 +119,6 @@ void integrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef
   checkConfiguration("integrate", "q", model, q);
   inner::checkV("integrate", "v", model, v);
   inner::checkOut("integrate", "out", model, out, model.nq, "nq");
-  if (model.nq == model.nv) {  // numbers alone
-    for (int k = 0; k < model.nq; ++k) out[k] = q[k] + v[k];
-    return;
-  }
   inner::forEachBlock(
       model,
       [&](int iq, int iv, int n) {

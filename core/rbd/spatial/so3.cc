@@ -2,13 +2,12 @@
 
 #include <cmath>
 
+#include "rbd/spatial/inner/turn_terms.h"
+
 namespace rbd {
-namespace {
 
-// Below this angle the first Taylor terms are exact to double precision: t^4 / 120 < eps / 4.
-constexpr double kTiny = 1e-4;
-
-}  // namespace
+using inner::halfSineOverAngle;
+using inner::kTiny;
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
   Eigen::Matrix3d m;
@@ -22,7 +21,7 @@ Eigen::Vector3d unSkew(const Eigen::Matrix3d& m) {
 
 Eigen::Quaterniond exp3Quaternion(const Eigen::Vector3d& w) {
   const double t = w.norm();
-  const double s = t < kTiny ? 0.5 - t * t / 48 : std::sin(t / 2) / t;
+  const double s = halfSineOverAngle(t, std::sin(t / 2));
   return Eigen::Quaterniond(std::cos(t / 2), s * w.x(), s * w.y(), s * w.z());
 }
 
@@ -30,7 +29,7 @@ Eigen::Matrix3d exp3(const Eigen::Vector3d& w) {
   const double t = w.norm();
   // a = sin t / t, b = (1 - cos t) / t^2 = 2 sin^2(t/2) / t^2, which does not cancel.
   const double a = t < kTiny ? 1 - t * t / 6 : std::sin(t) / t;
-  const double h = t < kTiny ? 0.5 - t * t / 48 : std::sin(t / 2) / t;
+  const double h = halfSineOverAngle(t, std::sin(t / 2));
   const Eigen::Matrix3d W = skew(w);
   return Eigen::Matrix3d::Identity() + a * W + 2 * h * h * W * W;
 }
@@ -48,11 +47,8 @@ Eigen::Vector3d log3(const Eigen::Matrix3d& R) { return log3(Eigen::Quaterniond(
 
 Eigen::Matrix3d leftJacobian3(const Eigen::Vector3d& w) {
   const double t = w.norm();
-  const double h = t < kTiny ? 0.5 - t * t / 48 : std::sin(t / 2) / t;
-  // (t - sin t) / t^3 loses digits below about 0.1: use its series there.
-  const double t2 = t * t;
-  const double c = t < 0.1 ? (1 - t2 / 20 * (1 - t2 / 42 * (1 - t2 / 72 * (1 - t2 / 110)))) / 6
-                           : (t - std::sin(t)) / (t * t2);
+  const double h = halfSineOverAngle(t, std::sin(t / 2));
+  const double c = inner::secondTerm(t, std::sin(t));
   const Eigen::Matrix3d W = skew(w);
   return Eigen::Matrix3d::Identity() + 2 * h * h * W + c * W * W;
 }

@@ -10,6 +10,7 @@
 
 #include "rbd/algorithm/inner/sincos.h"
 #include "rbd/model/model.h"
+#include "rbd/spatial/inner/turn_terms.h"
 #include "rbd/spatial/spatial.h"
 
 namespace rbd::inner {
@@ -18,18 +19,16 @@ inline Eigen::Quaterniond quaternion(const double* q) {
   return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
 }
 
-// The turn by |w| about w, from one sine and cosine: exp3Quaternion(w), and leftJacobian3(w) x (spatial/so3.cc has both,
-// with the reasons for the series).
+// The turn by |w| about w: exp3Quaternion(w) and leftJacobian3(w) x from one sine and cosine.
 class Turn {
  public:
   explicit Turn(const double* w) : w_(w[0], w[1], w[2]) {
-    const double t2 = w_.squaredNorm(), t = std::sqrt(t2), half = t / 2;
+    const double t = w_.norm(), half = t / 2;
     double s[4], c[4];
     sincosAll(1, &half, s, c);
     cosine_ = c[0];
-    sine_over_t_ = t < 1e-4 ? 0.5 - t2 / 48 : s[0] / t;
-    second_ = t < 0.1 ? (1 - t2 / 20 * (1 - t2 / 42 * (1 - t2 / 72 * (1 - t2 / 110)))) / 6
-                      : (t - 2 * s[0] * c[0]) / (t * t2);
+    sine_over_t_ = halfSineOverAngle(t, s[0]);
+    second_ = secondTerm(t, 2 * s[0] * c[0]);
   }
   // q turned by it, of length 1 again: one Newton step is exact, since rounding alone took it away.
   Eigen::Quaterniond appliedTo(const Eigen::Quaterniond& q) const {
@@ -138,7 +137,8 @@ struct PlanarSpace {
 // Visits the blocks of q and v in order: numbers(first in q, first in v, how many), or space(space, first in
 // q, first in v) for a rotation or pose.
 template <class Numbers, class Space>
-void forEachBlock(const Model& model, Numbers&& numbers, Space&& space) {
+inline void forEachBlock(const Model& model, Numbers&& numbers, Space&& space) {
+  if (model.nq == model.nv) return numbers(0, 0, model.nv);
   for (const ConfigurationBlock& block : model.tree().blocks) {
     switch (block.manifold) {
       case Manifold::Angles:
