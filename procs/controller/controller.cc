@@ -2,7 +2,6 @@
 
 #include <rbd/algorithm/configuration.h>
 
-#include <algorithm>
 #include <exception>
 #include <limits>
 
@@ -39,18 +38,6 @@ std::string set_gain(const rbd::Model& model, Gains& gains, const Action& action
       if (joint.nv() == 1) gain[joint.idx_v()] = values[values.size() == 1 ? 0 : i++];
   }
   return "";
-}
-
-/// Cuts tau at the effort limits.
-void limit(const rbd::Model& model, State& state, Eigen::VectorXd& tau, std::vector<Event>& events) {
-  for (int i = 0; i < model.nv; ++i) {
-    const double lower = model.lowerEffortLimit[i], upper = model.upperEffortLimit[i], wanted = tau[i];
-    tau[i] = std::clamp(wanted, lower, upper);
-    const bool cut = tau[i] != wanted;
-    if (cut && !state.limited[i])
-      events.push_back({"effort_limited", joint_at(model, i), "value " + number(wanted) + ", bound " + number(tau[i])});
-    state.limited[i] = cut;
-  }
 }
 
 }  // namespace
@@ -98,7 +85,7 @@ Output step(const Config& config, State& state, const Input& input) {
   }
   for (const rbd::JointModel& joint : config.model.joints)
     if (joint.nv() > 1) tau.segment(joint.idx_v(), joint.nv()).setZero();
-  if (config.limit_effort) limit(config.model, state, tau, output.events);
+  if (config.limit_effort) cut_effort(config.model, "effort_limited", tau, state.limited, output.events);
   return output;
 }
 

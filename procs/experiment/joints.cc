@@ -1,5 +1,6 @@
 #include "procs/experiment/joints.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lab {
@@ -139,6 +140,21 @@ const std::string& joint_at(const rbd::Model& model, int i) {
     if (model.joints[j].idx_v() <= i && i < model.joints[j].idx_v() + model.joints[j].nv())
       return model.names[j];
   return model.names[0];
+}
+
+void cut_effort(const rbd::Model& model, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut, std::vector<Event>& events) {
+  for (int j = 1; j < model.njoints; ++j) {
+    const rbd::JointModel& joint = model.joints[j];
+    const bool driven = joint.nv() == 1;
+    for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i) {
+      const double lower = driven ? model.lowerEffortLimit[i] : 0, upper = driven ? model.upperEffortLimit[i] : 0, wanted = tau[i];
+      const bool outside = wanted < lower || wanted > upper;
+      tau[i] = std::clamp(wanted, lower, upper);
+      if (outside && !cut[i])
+        events.push_back({driven ? what : "base_effort_ignored", model.names[j], "value " + number(wanted) + ", bound " + number(tau[i])});
+      cut[i] = outside;
+    }
+  }
 }
 
 bool floats(const rbd::Model& model) {

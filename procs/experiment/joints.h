@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "procs/experiment/experiment.h"
+#include "procs/signals/signals.h"
 
 /// From "a number per joint" to vectors of a model. Only joints with one degree of freedom can be meant: one
 /// number is for all of them, a list has one number for each in model order, a map names them. A floating
@@ -36,6 +38,10 @@ std::string frame_fault(const rbd::Model&, const std::string& name);
 
 /// Name of the joint that velocity entry i belongs to.
 const std::string& joint_at(const rbd::Model&, int i);
+
+/// Keeps tau (nv) within the joints' effort limits, a floating base at 0: nothing drives it. `cut` (nv) says where it was
+/// outside; where that begins there is an event `what` (of a base: "base_effort_ignored").
+void cut_effort(const rbd::Model&, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut, std::vector<Event>&);
 
 /// True if some joint has more than one degree of freedom: the base floats.
 bool floats(const rbd::Model&);

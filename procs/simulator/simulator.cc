@@ -35,24 +35,6 @@ bool accept(const Config& config, const Command& command, std::vector<Event>& ev
   return true;
 }
 
-/// Takes the command in force, within the effort limits.
-void limit(const Config& config, State& state, const Command& command, std::vector<Event>& events) {
-  for (int j = 1; j < config.model.njoints; ++j) {
-    const rbd::JointModel& joint = config.model.joints[j];
-    const bool driven = joint.nv() == 1;  // nothing drives a floating base
-    for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i) {
-      const double lower = driven ? config.model.lowerEffortLimit[i] : 0;
-      const double upper = driven ? config.model.upperEffortLimit[i] : 0, wanted = command.tau[i];
-      const bool clamp = wanted < lower || wanted > upper;
-      state.effort[i] = std::clamp(wanted, lower, upper);
-      if (clamp && !state.clamped[i])
-        events.push_back({driven ? "effort_clamped" : "base_effort_ignored", config.model.names[j],
-                          "value " + number(wanted) + ", bound " + number(wanted < lower ? lower : upper)});
-      state.clamped[i] = clamp;
-    }
-  }
-}
-
 /// The effort that holds the robot, within its limits: brings it to rest, and bears its weight.
 void hold(const Config& config, State& s) {
   s.a = -s.robot.v / std::max(kBrake, 2 * config.dt);
@@ -222,7 +204,8 @@ Output step(const Config& config, State& state, const Input& input) {
   if (input.command && safety::fresh(config.safety, state.safety, said.step, input.command->state_step) &&
       accept(config, *input.command, output.events)) {
     said.command_from = input.command->state_step;
-    limit(config, state, *input.command, output.events);
+    state.effort = input.command->tau;
+    cut_effort(config.model, "effort_clamped", state.effort, state.clamped, output.events);
   }
 
   output.mode = safety::step(config.safety, state.safety, said, output.events);

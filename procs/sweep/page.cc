@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "procs/experiment/evaluate.h"
+#include "procs/report/html.h"
 #include "procs/sweep/svg.h"
 #include "procs/sweep/table.h"
 
@@ -106,7 +107,7 @@ class Page {
 
   std::string write() {
     out_ = fmt::format("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\n"
-                       "<title>sweep {0}</title><style>{1}</style></head><body>\n<h1>Sweep {0}</h1>\n", svg::escape(sweep_.name), kStyle);
+                       "<title>sweep {0}</title><style>{1}</style></head><body>\n<h1>Sweep {0}</h1>\n", report::escape(sweep_.name), kStyle);
     head();
     best();
     const size_t plots = !sweep_.grid.empty() + sweep_.draws.size();  // of each metric; single ones stand side by side
@@ -121,8 +122,8 @@ class Page {
   void head() {
     const Counts counts = count(rows_);
     out_ += fmt::format("<p>{} runs of <code>{}</code>: {} complete, {} ended early, {} could not be run.</p>\n<ul>\n", rows_.size(),
-                        svg::escape(std::filesystem::path(sweep_.experiment).filename()), counts.complete, counts.ended_early, counts.unable);
-    for (const Override& one : sweep_.set) out_ += "<li><code>" + svg::escape(one.text) + "</code> in all runs</li>\n";
+                        report::escape(std::filesystem::path(sweep_.experiment).filename().string()), counts.complete, counts.ended_early, counts.unable);
+    for (const Override& one : sweep_.set) out_ += "<li><code>" + report::escape(one.text) + "</code> in all runs</li>\n";
     for (const Axis& axis : sweep_.grid) {
       const size_t n = axis.values.size();
       std::string values;
@@ -130,10 +131,10 @@ class Page {
         if (n > 8 && i == 3) values += ", .., " + svg::label(axis.values[i = n - 1]);
         else values += (i ? ", " : "") + svg::label(axis.values[i]);
       }
-      out_ += fmt::format("<li>grid: <code>{}</code>, {} values: {}</li>\n", svg::escape(axis.key), n, svg::escape(values));
+      out_ += fmt::format("<li>grid: <code>{}</code>, {} values: {}</li>\n", report::escape(axis.key), n, report::escape(values));
     }
     for (const Draw& draw : sweep_.draws)
-      out_ += fmt::format("<li>drawn: <code>{}</code>, {} times, seed {}</li>\n", svg::escape(draw.key), sweep_.draw_count, sweep_.seed);
+      out_ += fmt::format("<li>drawn: <code>{}</code>, {} times, seed {}</li>\n", report::escape(draw.key), sweep_.draw_count, sweep_.seed);
     out_ += "</ul>\n";
   }
 
@@ -144,9 +145,9 @@ class Page {
       const Extremes found = extremes(rows_, m);
       const auto cells = [&](int64_t run) {
         if (run < 0) return std::string("<td class=\"n\">-</td><td></td>");
-        return fmt::format("<td class=\"n\">{}</td><td>{}: {}</td>", svg::label(rows_[static_cast<size_t>(run)].metrics[m]), run, svg::escape(short_settings(run)));
+        return fmt::format("<td class=\"n\">{}</td><td>{}: {}</td>", svg::label(rows_[static_cast<size_t>(run)].metrics[m]), run, report::escape(short_settings(run)));
       };
-      out_ += fmt::format("<tr><td>{}</td>{}{}</tr>\n", svg::escape(sweep_.metrics[m]), cells(found.smallest), cells(found.largest));
+      out_ += fmt::format("<tr><td>{}</td>{}{}</tr>\n", report::escape(sweep_.metrics[m]), cells(found.smallest), cells(found.largest));
     }
     out_ += "</table></section>\n";
   }
@@ -166,7 +167,7 @@ class Page {
     out_ += "<section><h2>Runs without figures</h2>\n<table><tr><th class=\"n\">run</th><th>settings</th><th>reason</th></tr>\n";
     for (size_t i = 0; i < std::min(runs.size(), kNamed); ++i)
       out_ += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", runs[i],
-                          svg::escape(short_settings(static_cast<int64_t>(runs[i]))), svg::escape(rows_[runs[i]].reason));
+                          report::escape(short_settings(static_cast<int64_t>(runs[i]))), report::escape(rows_[runs[i]].reason));
     out_ += "</table>\n";
     if (runs.size() > kNamed) out_ += fmt::format("<p>.. and {} more, in sweep.csv.</p>\n", runs.size() - kNamed);
     out_ += "</section>\n";
@@ -174,10 +175,10 @@ class Page {
 
   void metric(size_t m) {
     const std::string& name = sweep_.metrics[m];
-    out_ += "<section><h2>" + svg::escape(name) + "</h2>\n";
+    out_ += "<section><h2>" + report::escape(name) + "</h2>\n";
     for (const Metric& known : metrics())
       if (known.name == name.substr(0, name.find('.')))
-        out_ += fmt::format("<p class=\"dim\">{}{}</p>\n", svg::escape(known.what), *known.unit ? std::string(", ") + known.unit : "");
+        out_ += fmt::format("<p class=\"dim\">{}{}</p>\n", report::escape(known.what), *known.unit ? std::string(", ") + known.unit : "");
     const Extremes found = extremes(rows_, m);
     if (found.smallest < 0) {
       out_ += "<p>No run has a value.</p></section>\n";
@@ -190,7 +191,7 @@ class Page {
     out_ += "</div>\n";
     if (const size_t more = sweep_.grid.size() > 2 ? sweep_.grid.size() - 2 : 0; more > 0 || (!sweep_.draws.empty() && !sweep_.grid.empty()))
       out_ += "<p class=\"dim\">Over the grid: means of the runs that agree in what is shown; a cross in a corner: some of them have no figures.</p>\n";
-    out_ += "<p class=\"dim\">Smallest: <code>" + svg::escape(command(sweep_, found.smallest)) + "</code></p></section>\n";
+    out_ += "<p class=\"dim\">Smallest: <code>" + report::escape(command(sweep_, found.smallest)) + "</code></p></section>\n";
   }
 
   void open(double height) { out_ += fmt::format("<svg viewBox=\"0 0 640 {:.0f}\" role=\"img\">\n", height); }

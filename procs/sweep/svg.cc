@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "procs/report/html.h"
+
 namespace lab::sweep::svg {
 
 Scale::Scale(const std::vector<double>& values, double pixel_from, double pixel_to, bool room) : from_(pixel_from), to_(pixel_to) {
@@ -42,18 +44,6 @@ std::vector<double> Scale::ticks() const {
   return ticks;
 }
 
-std::string escape(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '"') out += "&quot;";
-    else out += c;
-  }
-  return out;
-}
-
 std::string label(double value) { return fmt::format("{:.4g}", value); }
 
 std::string label(const std::string& value) {
@@ -74,7 +64,7 @@ std::string colour(double share) {
 const char* ink(double share) { return share > 0.6 ? "#000" : "#fff"; }
 
 std::string text(double x, double y, const std::string& words, const std::string& anchor, const std::string& more) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}{}>{}</text>\n", x, y, anchor, more.empty() ? "" : " ", more, escape(words));
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}{}>{}</text>\n", x, y, anchor, more.empty() ? "" : " ", more, report::escape(words));
 }
 
 std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
@@ -85,7 +75,7 @@ namespace {
 
 /// The words at the mouse; none if empty.
 std::string titled(const std::string& title, const char* tag) {
-  return title.empty() ? "/>\n" : "><title>" + escape(title) + "</title></" + tag + ">\n";
+  return title.empty() ? "/>\n" : "><title>" + report::escape(title) + "</title></" + tag + ">\n";
 }
 
 }  // namespace

@@ -21,8 +21,6 @@ class Scale {
   bool log_ = false;
 };
 
-/// For HTML and SVG: & < > " as entities.
-std::string escape(const std::string& text);
 /// Four digits are enough to look at.
 std::string label(double value);
 /// The same for a value that is a number; others as they are.
