@@ -11,6 +11,7 @@
 
 #include "tests/procs/experiment/by_hand.h"
 #include "tests/procs/experiment/loop.h"
+#include "tests/procs/refusal.h"
 
 namespace lab {
 namespace {
@@ -157,12 +158,7 @@ TEST(Evaluate, ExpectationsMustExist) {
   e.file = "x.yaml";
   const auto message = [&](const std::string& metric) {
     e.expect = {{metric, {}}};
-    try {
-      check_expect(e, model);
-    } catch (const ExperimentError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
+    return test::refusal_of([&] { check_expect(e, model); });
   };
   EXPECT_EQ(message("max_error.joint2_shoulder"), "accepted");
   EXPECT_EQ(message("max_eror"),

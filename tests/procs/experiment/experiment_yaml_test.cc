@@ -9,17 +9,13 @@
 #include <sstream>
 
 #include "procs/experiment/keys.h"
+#include "tests/procs/refusal.h"
 
 namespace lab {
 namespace {
 
 std::string error_of(const std::string& text, const std::vector<std::string>& set = {}) {
-  try {
-    parse_experiment(text, "x.yaml", set);
-  } catch (const ExperimentError& e) {
-    return e.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { parse_experiment(text, "x.yaml", set); });
 }
 
 struct Case {

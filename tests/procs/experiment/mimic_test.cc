@@ -9,6 +9,7 @@
 #include "procs/experiment/experiment_yaml.h"
 #include "procs/experiment/joints.h"
 #include "tests/procs/experiment/loop.h"
+#include "tests/procs/refusal.h"
 
 namespace lab {
 namespace {
@@ -47,13 +48,10 @@ expect: {max_error.finger_b: {max: 0.001}}
 }
 
 std::string refusal(const std::vector<std::string>& set) {
-  try {
+  return test::refusal_of([&] {
     const Experiment e = experiment(set);
     check(e, load_robot(e, kGripper));
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  });
 }
 
 // The follower's finger comes along, and its weight counts: energy gained is the work done.

@@ -10,6 +10,7 @@
 #include "procs/experiment/check.h"
 #include "procs/experiment/experiment_yaml.h"
 #include "procs/experiment/procfile.h"
+#include "tests/procs/refusal.h"
 
 namespace lab {
 namespace {
@@ -19,13 +20,10 @@ Experiment arm3(const std::vector<std::string>& set = {}) {
 }
 
 std::string refusal(const std::vector<std::string>& set) {
-  try {
+  return test::refusal_of([&] {
     const Experiment e = arm3(set);
     check(e, load_robot(e));
-  } catch (const ExperimentError& error) {
-    return error.what();
-  }
-  return "accepted";
+  });
 }
 
 TEST(Robot, TextOfRunGivesTheSameRobotAsTheFile) {

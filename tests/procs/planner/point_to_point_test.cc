@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "procs/planner/planner.h"
+#include "tests/procs/refusal.h"
 
 namespace lab::planner {
 namespace {
@@ -191,14 +192,7 @@ TEST(PointToPoint, HeldOnTheWayItGoesOnFromWhereTheRobotIs) {
 }
 
 TEST(PointToPoint, WhatMakesNoSenseIsRefused) {
-  const auto refusal = [](Experiment e) -> std::string {
-    try {
-      make_config(e, arm());
-    } catch (const ExperimentError& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
+  const auto refusal = [](const Experiment& e) { return test::refusal_of([&] { make_config(e, arm()); }); };
   Experiment e = cycle();
   e.file = "x.yaml";
   e.planner.targets.clear();
