@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <sstream>
 #include <stdexcept>
 
 #include "procs/report/html.h"
@@ -32,7 +33,7 @@ constexpr const char *kFrame = "#9AA0A6", *kGrid = "#E3E5E8", *kText = "#5F6368"
 
 std::string number(double value) {
   char text[32];
-  snprintf(text, sizeof text, "%.6g", value);
+  snprintf(text, sizeof text, "%.9g", value);
   return text;
 }
 
@@ -44,11 +45,11 @@ std::string data(const Curve& curve, size_t index) {
   return out + "EOD\n";
 }
 
-/// Room around the data; a constant gets some, too, and what differs by rounding alone is one.
+/// Room around the data; a constant gets some, too, and so does what the six digits at the axis cannot tell from one.
 std::pair<double, double> padded(std::pair<double, double> range) {
   const double size = range.second - range.first, middle = (range.first + range.second) / 2;
   double room = 0.06 * size;
-  if (size <= 1e-9 * std::abs(middle) || size < 1e-12) room = std::abs(middle) < 1e-12 ? 1 : 0.1 * std::abs(middle);
+  if (size <= 1e-5 * std::abs(middle) || size < 1e-12) room = std::abs(middle) < 1e-12 ? 1 : 0.1 * std::abs(middle);
   return {range.first - room, range.second + room};
 }
 
@@ -125,6 +126,15 @@ int memory_file(const char* name) {
   const int fd = memfd_create(name, MFD_CLOEXEC);
   if (fd < 0) throw std::runtime_error(std::string("no memory for gnuplot's script (") + std::strerror(errno) + ")");
   return fd;
+}
+
+/// The first line of what gnuplot wrote that says more than where it was, and is no warning.
+std::string first_error(const std::string& complaint) {
+  std::istringstream lines(complaint);
+  for (std::string line; std::getline(lines, line);)
+    if (const size_t from = line.find_first_not_of(" ^\t"); from != std::string::npos && line.find("warning:") == std::string::npos)
+      return line.substr(from);
+  return "it does not say why";
 }
 
 void replace_all(std::string& text, const std::string& from, const std::string& to) {
@@ -236,9 +246,8 @@ std::optional<std::vector<std::string>> draw(const std::vector<Chart>& charts) {
   if (failed) throw std::runtime_error(std::string("gnuplot cannot be started (") + std::strerror(failed) + ")");
   std::vector<std::string> all = clean(output, charts);
   if (status != 0 || all.size() != charts.size()) {
-    while (!complaint.empty() && (complaint.back() == '\n' || complaint.back() == '^' || complaint.back() == ' ')) complaint.pop_back();
     throw std::runtime_error("gnuplot drew " + std::to_string(all.size()) + " of " + std::to_string(charts.size()) + " pictures: " +
-                             complaint.substr(complaint.rfind('\n') + 1));
+                             first_error(complaint));
   }
   return all;
 }

@@ -77,20 +77,22 @@ TEST(Gnuplot, DrawsWhatItIsGiven) {
 
 TEST(Gnuplot, TakesWhatIsOdd) {
   const std::vector<double> t = {0, 1, 2};
-  Chart constant{.title = "constant"}, zero = constant, empty = constant, one = constant, huge = constant, bars = constant, log = constant, path = constant;
+  Chart constant{.title = "constant"}, zero = constant, almost = constant, empty = constant, one = constant, huge = constant,
+        bars = constant, log = constant, path = constant;
   constant.curves = {{.label = "", .x = t, .y = {5, 5, 5}}};
   constant.levels = {5.1, 1e9}, constant.bands = {{4.9, 5.2}};
   zero.curves = {{.label = "", .x = t, .y = {0, 0, 0}}};
+  almost.curves = {{.label = "", .x = t, .y = {-0.2, -0.20000008, -0.2}}};
   one.curves = {{.label = "", .x = {3}, .y = {1}}};
   huge.curves = {{.label = "", .x = t, .y = {-1e300, 0, 1e300}}};
   bars.bars = true, bars.curves = {{.label = "", .x = {0.5, 1, 2, 3}, .y = {10, 0, 90}}};
   log.logarithmic = true, log.curves = {{.label = "", .x = t, .y = {0, 1e-9, 1}}};
   path.equal = true, path.curves = {{.label = "", .x = {1, 1, 1}, .y = {2, 2, 2}}};
-  const auto drawn = draw({constant, zero, empty, one, huge, bars, log, path});
+  const auto drawn = draw({constant, zero, almost, empty, one, huge, bars, log, path});
   if (!drawn) GTEST_SKIP() << "gnuplot is not installed";
-  EXPECT_EQ(drawn->size(), 8u);
+  EXPECT_EQ(drawn->size(), 9u);
   EXPECT_NE((*drawn)[0].find("class=\"band\""), std::string::npos);
-  EXPECT_NE((*drawn)[5].find("class=\"f-blue\""), std::string::npos);
+  EXPECT_NE((*drawn)[6].find("class=\"f-blue\""), std::string::npos);
 }
 
 TEST(Gnuplot, ALengthIsTheSameOnBothAxes) {
