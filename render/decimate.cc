@@ -125,6 +125,14 @@ class Decimator {
     }
   }
 
+  Vector3d face(uint32_t t) const { return normal(triangle(t)).normalized(); }
+
+  // A plane along a side, upright on its triangle: to leave the side costs as much as to leave a surface.
+  void add_wall(uint32_t low, uint32_t high, uint32_t t) {
+    const Vector3d wall = (place_[high] - place_[low]).cross(normal(triangle(t))).normalized();
+    for (uint32_t p : {low, high}) quadrics_[p].add(wall, -wall.dot(place_[low]));
+  }
+
   // Points on the rim of a hole, which move along it; and points that must stay: on a side of two triangles
   // in the same direction or of more than two, where rims meet, where looks meet, where the texture is cut.
   void find_fixed() {
@@ -147,14 +155,14 @@ class Decimator {
       size_t end = i + 1;
       while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;
       const uint32_t low = sides[i].low, high = sides[i].high;
+      const bool pair = end - i == 2 && sides[i].forward != sides[i + 1].forward;
       if (end - i == 1) {
         ++rims[low], ++rims[high];
-        // a wall along the rim, upright on its triangle: to leave it costs as much as to leave a surface
-        const Vector3d along = place_[high] - place_[low];
-        const Vector3d wall = along.cross(normal(triangle(sides[i].triangle))).normalized();
-        for (uint32_t p : {low, high}) quadrics_[p].add(wall, -wall.dot(place_[low]));
-      } else if (end - i != 2 || sides[i].forward == sides[i + 1].forward) {
+        add_wall(low, high, sides[i].triangle);
+      } else if (!pair) {
         fixed_[low] = fixed_[high] = true;
+      } else if (face(sides[i].triangle).dot(face(sides[i + 1].triangle)) < -0.5) {
+        add_wall(low, high, sides[i].triangle);  // the edge of a blade
       }
       i = end;
     }
@@ -203,8 +211,8 @@ class Decimator {
     return point(3 * t) == p || point(3 * t + 1) == p || point(3 * t + 2) == p;
   }
 
-  // Two triangles vanish (one at a rim), none of the others turns over or loses the side that its normals are
-  // on.
+  // Two triangles vanish (one at a rim), none of the others turns over or leans away from its normals: light
+  // would flare where a groove was.
   bool possible(uint32_t from, uint32_t to) const {
     const std::vector<uint32_t> a = neighbours(from), b = neighbours(to);
     std::vector<uint32_t> common;
@@ -226,7 +234,7 @@ class Decimator {
         return false;
       for (int k = 0; k < 3; ++k) {
         const Vector3d n = mesh_.normals[vertex_at(t, k, from, to, after)].cast<double>();
-        if (!(n.dot(after) > 0.2 * after.norm())) return false;
+        if (!(n.dot(after) > 0.6 * after.norm())) return false;
       }
     }
     return true;

@@ -62,6 +62,7 @@ inline Gl<PFNGLDRAWBUFFERPROC> glDrawBuffer{"glDrawBuffer"};
 inline Gl<PFNGLDRAWELEMENTSPROC> glDrawElements{"glDrawElements"};
 inline Gl<PFNGLENABLEPROC> glEnable{"glEnable"};
 inline Gl<PFNGLENABLEVERTEXATTRIBARRAYPROC> glEnableVertexAttribArray{"glEnableVertexAttribArray"};
+inline Gl<PFNGLFLUSHPROC> glFlush{"glFlush"};
 inline Gl<PFNGLFRAMEBUFFERTEXTURE2DPROC> glFramebufferTexture2D{"glFramebufferTexture2D"};
 inline Gl<PFNGLFRONTFACEPROC> glFrontFace{"glFrontFace"};
 inline Gl<PFNGLGENBUFFERSPROC> glGenBuffers{"glGenBuffers"};

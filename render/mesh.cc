@@ -215,22 +215,19 @@ std::vector<uint32_t> share_vertices(const Welded& w, const Soup& soup, const st
 }
 
 // Triangles that somebody outside sees from behind, through holes or because they are the wrong way round,
-// and what touches them, twice over: between two looks there is always another one. All others may be drawn
-// from their front alone.
+// and what touches them: between two looks there is always another one. All others may be drawn from their
+// front alone.
 std::vector<bool> find_two_sided(const Welded& w, const std::vector<bool>& turned) {
   std::vector<uint32_t> corners = w.corners;
   for (size_t t = 0; t < turned.size(); ++t)
     if (turned[t]) std::swap(corners[3 * t + 1], corners[3 * t + 2]);
   const std::vector<Seen> seen = look_from_all_around(w.points, corners);
   std::vector<bool> both(seen.size());
-  for (size_t t = 0; t < seen.size(); ++t) both[t] = seen[t].back > 0;
-  for (int ring = 0; ring < 2; ++ring) {
-    std::vector<bool> touched(w.points.size(), false);
-    for (uint32_t c = 0; c < w.corners.size(); ++c)
-      if (both[c / 3]) touched[w.corners[c]] = true;
-    for (uint32_t c = 0; c < w.corners.size(); ++c)
-      if (touched[w.corners[c]]) both[c / 3] = true;
-  }
+  std::vector<bool> touched(w.points.size(), false);
+  for (uint32_t c = 0; c < w.corners.size(); ++c)
+    if (seen[c / 3].back > 0) touched[w.corners[c]] = true;
+  for (uint32_t c = 0; c < w.corners.size(); ++c)
+    if (touched[w.corners[c]]) both[c / 3] = true;
   return both;
 }
 

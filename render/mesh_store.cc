@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "render/gl.h"
@@ -11,7 +12,7 @@ namespace {
 
 constexpr size_t kFineEnough = 1500;  // triangles below which a stand-in saves nothing
 
-// Cells as wide as two triangles, but not so wide that they show at the edge of a shadow.
+// Cells as wide as three triangles, but not so wide that they show at the edge of a shadow.
 Coarse stand_in(const Mesh& mesh) {
   if (mesh.triangles() <= kFineEnough) return {mesh.positions, mesh.indices};
   double area = 0;
@@ -21,7 +22,7 @@ Coarse stand_in(const Mesh& mesh) {
         (mesh.positions[mesh.indices[i + 1]] - a).cross(mesh.positions[mesh.indices[i + 2]] - a).norm() / 2;
   }
   const double triangle = std::sqrt(area / static_cast<double>(mesh.triangles()));
-  const double cell = std::min(2.2 * triangle, mesh.bounds.diagonal().norm() / 40);
+  const double cell = std::min(3.3 * triangle, mesh.bounds.diagonal().norm() / 25);
   return coarsen(mesh, static_cast<float>(cell));
 }
 
@@ -138,7 +139,7 @@ void MeshStore::forget_dead() {
   });
 }
 
-void draw_surface(const Buffers& mesh, size_t surface, const Eigen::Vector4f& viewer) {
+size_t draw_surface(const Buffers& mesh, size_t surface, const Eigen::Vector4f& viewer) {
   static thread_local std::vector<int> counts;
   static thread_local std::vector<const void*> firsts;
   counts.clear(), firsts.clear();
@@ -154,15 +155,17 @@ void draw_surface(const Buffers& mesh, size_t surface, const Eigen::Vector4f& vi
     }
     end = c.first + c.count;
   }
-  if (counts.empty()) return;
+  if (counts.empty()) return 0;
   glBindVertexArray(mesh.array);
   glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, firsts.data(),
                       static_cast<int>(counts.size()));
+  return static_cast<size_t>(std::accumulate(counts.begin(), counts.end(), 0)) / 3;
 }
 
-void draw_coarse(const Buffers& mesh) {
+size_t draw_coarse(const Buffers& mesh) {
   glBindVertexArray(mesh.coarse_array);
   glDrawElements(GL_TRIANGLES, mesh.coarse_count, GL_UNSIGNED_INT, nullptr);
+  return static_cast<size_t>(mesh.coarse_count) / 3;
 }
 
 }  // namespace lab::render

@@ -34,8 +34,9 @@ class MeshStore {
   std::unordered_map<const Texture*, Uploaded> textures_;
 };
 
-// Draws those triangles of a surface that may face the viewer (in the mesh's axes, as may_face takes it).
-void draw_surface(const Buffers& mesh, size_t surface, const Eigen::Vector4f& viewer);
-void draw_coarse(const Buffers& mesh);
+// Draws those triangles of a surface that may face the viewer (in the mesh's axes, as may_face takes it); both
+// return how many they drew.
+size_t draw_surface(const Buffers& mesh, size_t surface, const Eigen::Vector4f& viewer);
+size_t draw_coarse(const Buffers& mesh);
 
 }  // namespace lab::render

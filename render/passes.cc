@@ -31,6 +31,20 @@ void set_sides(bool mirrored, bool two_sided) {
   two_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
 }
 
+// Software OpenGL fills the triangles of one batch while the next is put together, but only once it is told to.
+class Batches {
+ public:
+  void add(size_t triangles) {
+    waiting_ += triangles;
+    if (waiting_ < 8'000) return;
+    glFlush();
+    waiting_ = 0;
+  }
+
+ private:
+  size_t waiting_ = 0;
+};
+
 Matrix4d clip_from_part(const Sight& sight, const Item& item) {
   return sight.clip_from_world * item.world_from_part.matrix();
 }
@@ -120,10 +134,11 @@ void Passes::shadow_map(const Sight& sight, const Items& items) {
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.5f, 4.0f);
   const Program& depth = lazily(depth_, "depth", shaders::kDepthVertex, shaders::kDepthFragment);
+  Batches batches;
   for (const Caster& caster : items.casters) {
     depth.set("u_clip_from_part", to_float(sight.shadow.clip_from_world * caster.world_from_part.matrix()));
     set_sides(caster.mirrored, caster.two_sided);
-    draw_coarse(*caster.mesh);
+    batches.add(draw_coarse(*caster.mesh));
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
@@ -180,6 +195,7 @@ const Program& Passes::body(const Item& item, const Sight& sight, const Light& l
 
 void Passes::draw_items(const Sight& sight, const Light& light, const std::vector<const Item*>& items,
                         unsigned shadow_map) {
+  Batches batches;
   for (int kind = 0; kind < 4; ++kind) {  // one program after the other
     const Program* p = nullptr;
     for (const Item* item : items) {
@@ -200,7 +216,7 @@ void Passes::draw_items(const Sight& sight, const Light& light, const std::vecto
       const Eigen::Matrix3d normals = item->world_from_part.linear().inverse().transpose();
       p->set("u_normal_from_part", Eigen::Matrix3f(normals.cast<float>()));
       set_sides(item->mirrored, item->two_sided);
-      draw_surface(*item->mesh, item->surface, item->viewer);
+      batches.add(draw_surface(*item->mesh, item->surface, item->viewer));
     }
   }
 }

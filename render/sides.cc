@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kSide = 256;
+constexpr int kSide = 192, kDirections = 80;
 constexpr uint32_t kNothing = ~0u;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -66,16 +66,13 @@ std::vector<Seen> look_from_all_around(const std::vector<Eigen::Vector3f>& point
   const double scale = (kSide - 2) / std::max(box.diagonal().norm(), 1e-30);
   View view;
   std::vector<Vector3d> place(points.size());
-  for (int direction = 0; direction < 27; ++direction) {
-    if (direction == 13) continue;  // (0, 0, 0)
-    // not quite along axes and diagonals: walls of machines often are
-    const Vector3d away = (Vector3d(direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1) +
-                           Vector3d(0.031, 0.047, 0.019))
-                              .normalized();
+  for (int i = 0; i < kDirections; ++i) {  // evenly over a sphere: a spiral by the golden angle
+    const double z = 1 - (2 * i + 1.0) / kDirections, across = std::sqrt(1 - z * z), turn = 2.399963 * i;
+    const Vector3d away(across * std::cos(turn), across * std::sin(turn), z);
     const Vector3d right = away.unitOrthogonal(), up = away.cross(right);
-    for (size_t i = 0; i < points.size(); ++i) {
-      const Vector3d p = points[i].cast<double>() - box.center();
-      place[i] = {right.dot(p) * scale + kSide / 2.0, up.dot(p) * scale + kSide / 2.0, away.dot(p)};
+    for (size_t k = 0; k < points.size(); ++k) {
+      const Vector3d p = points[k].cast<double>() - box.center();
+      place[k] = {right.dot(p) * scale + kSide / 2.0, up.dot(p) * scale + kSide / 2.0, away.dot(p)};
     }
     view.clear();
     for (uint32_t t = 0; t < seen.size(); ++t)

@@ -8,7 +8,7 @@
 namespace lab::render {
 
 // How often a triangle is in front of all others, with its front and with its back, in small pictures from
-// all around (26 directions, 256 pixels a side, no perspective). corners: three points per triangle,
+// all around (80 directions, 192 pixels a side, no perspective). corners: three points per triangle,
 // counterclockwise seen from its front.
 struct Seen {
   uint32_t front = 0, back = 0;

@@ -3,8 +3,7 @@
 namespace lab::renderer {
 namespace {
 
-constexpr size_t kFewTriangles = 1000;
-constexpr double kError = 0.002;  // m: less than a pixel of a picture of 640 x 480 that shows a metre
+constexpr size_t kFewTriangles = 500;
 
 render::MeshPtr primitive(const rbd::GeometryObject& shape) {
   switch (shape.shape) {
@@ -41,7 +40,7 @@ render::MeshPtr PartMaker::mesh(const rbd::GeometryObject& shape) {
   try {
     if (shape.mesh.empty()) throw std::runtime_error(why_missing(shape.meshUri));
     render::MeshOptions options;
-    if (decimated_ && largest > 0) options.triangles = kFewTriangles, options.error = kError / largest;
+    if (error_ > 0 && largest > 0) options.triangles = kFewTriangles, options.error = error_ / largest;
     known->second = render::load_mesh(shape.mesh, options, &warnings_);
   } catch (const std::exception& error) {
     warnings_.push_back(std::string(error.what()) + "; drawn as a magenta box");

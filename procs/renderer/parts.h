@@ -15,9 +15,8 @@ Eigen::Isometry3d isometry(const rbd::SE3& pose);
 /// with one warning that names every place where it was looked for.
 class PartMaker {
  public:
-  /// `quality` below fine: meshes of more than 1000 triangles are decimated, by at most 2 mm.
-  PartMaker(const Robot& robot, const std::string& quality, std::vector<std::string>& warnings)
-      : robot_(robot), decimated_(quality != "fine"), warnings_(warnings) {}
+  /// Meshes of more than 500 triangles are decimated, by at most `error` metres; 0: all are as their files have them.
+  PartMaker(const Robot& robot, double error, std::vector<std::string>& warnings) : robot_(robot), error_(error), warnings_(warnings) {}
 
   render::Part part(const rbd::GeometryObject& shape);
 
@@ -26,7 +25,7 @@ class PartMaker {
   std::string why_missing(const std::string& uri) const;
 
   const Robot& robot_;
-  const bool decimated_;
+  const double error_;
   std::vector<std::string>& warnings_;
   std::map<std::pair<std::string, double>, render::MeshPtr> meshes_;  ///< by URI and largest scale; null: cannot be had
 };

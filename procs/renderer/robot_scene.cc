@@ -1,15 +1,32 @@
 #include "procs/renderer/robot_scene.h"
 
+#include <rbd/algorithm/configuration.h>
 #include <rbd/algorithm/kinematics.h>
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 
 #include "procs/renderer/parts.h"
 
 namespace lab::renderer {
+namespace {
+
+/// m: from corner to corner of the box around the robot's joints, at rest.
+double size(const rbd::Model& model) {
+  rbd::Data data(model);
+  rbd::forwardKinematics(model, data, rbd::neutral(model));
+  Eigen::AlignedBox3d box;
+  for (const rbd::SE3& joint : data.oMi) box.extend(joint.translation());
+  return std::max(0.25, box.diagonal().norm());
+}
+
+}  // namespace
+
 std::vector<render::Body> make_bodies(const Robot& robot, const std::string& quality, std::vector<std::string>& links, std::vector<std::string>& warnings) {
   std::vector<render::Body> bodies;
-  PartMaker maker(robot, quality, warnings);
+  constexpr double kUnseen = 0.0025;  // of the robot's size: less than a pixel of a picture of 640 x 480 that shows all of it
+  PartMaker maker(robot, quality == "fine" ? 0 : kUnseen * size(robot.model), warnings);
   for (rbd::JointIndex joint = 0; joint < static_cast<rbd::JointIndex>(robot.model.njoints); ++joint) {
     render::Body body;
     body.name = robot.model.names[joint];

@@ -111,6 +111,29 @@ TEST(Decimate, StopsAtTheBudgetAndIsDeterministic) {
         << "every vertex is one of the sphere's, with its normal";
 }
 
+// Corrugated iron, 60 degrees at its steepest: once the waves are gone, no triangle may be lit by normals from their sides.
+TEST(Decimate, NormalsSuitTheirFaces) {
+  constexpr uint32_t kAcross = 129, kAlong = 17;
+  Soup soup;
+  for (uint32_t j = 0; j < kAlong; ++j)
+    for (uint32_t i = 0; i < kAcross; ++i) {
+      const double x = i / 16.0 * 2 * M_PI, slope = std::sqrt(3.) * std::cos(x);
+      soup.positions.push_back(Eigen::Vector3d(x, j, std::sqrt(3.) * std::sin(x)).cast<float>());
+      soup.normals.push_back(Eigen::Vector3d(-slope, 0, 1).normalized().cast<float>());
+    }
+  for (uint32_t j = 0; j + 1 < kAlong; ++j)
+    for (uint32_t i = 0; i + 1 < kAcross; ++i) {
+      const uint32_t a = j * kAcross + i, b = a + kAcross;
+      soup.indices.insert(soup.indices.end(), {a, a + 1, b + 1, a, b + 1, b});
+    }
+  const MeshPtr fine = make_mesh(soup), m = decimate(*fine, 0, 20);
+  EXPECT_LT(m->triangles(), fine->triangles() / 4);
+  for (size_t c = 0; c < m->indices.size(); c += 3) {
+    const Eigen::Vector3d face = (point(*m, c + 1) - point(*m, c)).cross(point(*m, c + 2) - point(*m, c)).normalized();
+    for (size_t k = c; k < c + 3; ++k) EXPECT_GT(face.dot(m->normals[m->indices[k]].cast<double>()), 0.6);
+  }
+}
+
 TEST(Decimate, RimsLooksAndTextureSeamsStay) {
   Soup soup = fine_box(8);
   soup.indices.resize(soup.indices.size() - 6 * 64);  // the last face is missing: its rim must stay

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 
+#include "render/markers.h"
 #include "render/png.h"
 #include "tests/render/sample.h"
 
@@ -24,14 +25,37 @@ int differing_pixels(const Image& a, const Image& b) {
 
 constexpr int kCap = 160 * 120 / 200;  // half a per cent: samples on edges
 
-TEST(Golden, PicturesLookAsTheyDid) {
-  for (const auto& [quality, name] :
-       {std::pair(Quality::kDraft, "draft"), std::pair(Quality::kFine, "fine")}) {
-    const std::string path = std::string(LAB_GOLDEN "/render_") + name + ".png";
-    const Image image = draw_sample(quality);
-    if (std::getenv("LAB_WRITE_GOLDEN")) write_png(path, image);
-    EXPECT_LE(differing_pixels(image, read_png(path).image), kCap) << name;
+void expect_golden(const Image& image, const std::string& name) {
+  const std::string path = LAB_GOLDEN "/render_" + name + ".png";
+  if (std::getenv("LAB_WRITE_GOLDEN")) write_png(path, image);
+  EXPECT_LE(differing_pixels(image, read_png(path).image), kCap) << name;
+}
+
+// Two earlier poses of the sample's arm, as ghosts, and the way of its tip.
+Scene scene_with_a_past() {
+  Scene scene = sample_scene();
+  std::vector<Body> arm(scene.bodies.begin() + 2, scene.bodies.begin() + 4);
+  std::vector<Eigen::Vector3d> way;
+  std::vector<Eigen::Vector4f> speeds;
+  for (int i = 0; i <= 20; ++i) {
+    const double turn = -0.1 * i;
+    way.push_back(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * Eigen::Vector3d(.48, 0, .67));
+    speeds.push_back(ramp_value(i / 20.0));
+    if (i != 10 && i != 20) continue;
+    std::vector<Body> then = arm;
+    for (Body& body : then) body.pose = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * body.pose;
+    for (Body& body : ghost(then, i, ramp_time(1 - i / 20.0), .5f)) scene.bodies.push_back(body);
   }
+  scene.bodies.push_back(make_trace(way, speeds, .012));
+  return scene;
+}
+
+TEST(Golden, PicturesLookAsTheyDid) {
+  expect_golden(draw_sample(Quality::kDraft), "draft");
+  expect_golden(draw_sample(Quality::kFine), "fine");
+  const Scene past = scene_with_a_past();
+  Renderer renderer(160, 120, Quality::kFine);
+  expect_golden(renderer.draw(past, auto_frame(bounds(past), "iso", 160.0 / 120)), "ghosts_and_trace");
 }
 
 TEST(Golden, TheComparisonNoticesSmallChanges) {

@@ -158,6 +158,21 @@ def test_what_cannot_be_is_one_line(run, tmp_path):
     refused(render(run, "-o", "/proc/here"), 1, "/proc/here: cannot make this folder: ")
 
 
+def test_a_missing_mesh_is_told_once_and_strict_draws_nothing(tmp_path):
+    """Three links with one file that is nowhere."""
+    model = tmp_path / "arm.urdf"
+    shape = '<visual><geometry><mesh filename="package://nowhere/arm.stl"/></geometry></visual>'
+    model.write_text(re.sub(r"<visual>.*?</visual>", shape, (lab.ROOT / "models" / "simple_3dof_arm.urdf").read_text(), flags=re.S))
+    done = lab.run(lab.experiment(tmp_path, duration=0.1), tmp_path / "run", "--solo", "--no-report", "--set", f"robot.model={model}")
+    assert done.returncode == 0, done.stderr
+    out = tmp_path / "out"
+    done = render(tmp_path / "run", "--strict", "-o", out)
+    assert done.returncode == 3 and "--strict: the robot is not whole, so nothing is drawn" in done.stderr and not out.exists()
+    done = render(tmp_path / "run", "--size", "64x48", "-o", out)
+    assert done.returncode == 0 and list(out.glob("*.png"))
+    assert done.stderr.count("package://nowhere/arm.stl") == 1 and "magenta box" in done.stderr
+
+
 def test_an_unwritable_folder(run, tmp_path):
     """Read-only even for root: a mount of its own."""
     out = tmp_path / "out"
