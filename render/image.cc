@@ -24,10 +24,10 @@ std::vector<uint16_t> quantized(const std::vector<float>& depth, double unit) {
 void draw_text(Image& image, int x, int y, const std::string& text, int scale, const uint8_t (&colour)[3]) {
   for (size_t i = 0; i < text.size(); ++i) {
     const int code = static_cast<unsigned char>(text[i]);
-    for (int row = 0; row < 7 * scale; ++row) {
+    for (int row = 0; row < kGlyphRows * scale; ++row) {
       for (int column = 0; column < 5 * scale; ++column) {
         const int gy = row / scale, gx = column / scale;
-        const bool frame = gy == 0 || gy == 6 || gx == 0 || gx == 4;
+        const bool frame = gy < 7 && (gy == 0 || gy == 6 || gx == 0 || gx == 4);
         const bool ink = code >= 32 && code <= 126 ? (kFont[code - 32][gy] >> (4 - gx)) & 1 : frame;
         const int px = x + static_cast<int>(i) * 6 * scale + column, py = y + row;
         if (ink && px >= 0 && py >= 0 && px < image.width && py < image.height)
@@ -74,7 +74,7 @@ Image contact_sheet(const std::vector<Image>& images, const std::vector<std::str
     cell_width = std::max(cell_width, image.width), cell_height = std::max(cell_height, image.height);
   }
   const int scale = std::max(1, cell_width / 180), gap = 4 * scale;
-  const int caption = labels.empty() ? 0 : 7 * scale + gap;
+  const int caption = labels.empty() ? 0 : kGlyphRows * scale + gap;
   const int64_t width = gap + static_cast<int64_t>(columns) * (cell_width + gap);
   const int64_t height = gap + static_cast<int64_t>(rows) * (cell_height + caption + gap);
   if (width > 32767 || height > 32767 || width * height > 200'000'000)

@@ -32,8 +32,8 @@ struct Measurement {
 std::vector<uint16_t> quantized(const std::vector<float>& depth, double unit = 0.001);
 
 // Writes `text` with its top left corner at (x, y), in a built-in 5x7 bitmap font enlarged `scale` times;
-// clipped at the edges. One character is 6 * scale wide and 7 * scale high. What the font lacks is drawn as a
-// box.
+// clipped at the edges. One character is 6 * scale wide and 9 * scale high, of which 2 hang below the line. What
+// the font lacks is drawn as a box.
 void draw_text(Image& image, int x, int y, const std::string& text, int scale, const uint8_t (&colour)[3]);
 
 // The picture made smaller by a whole factor: averages of factor x factor pixels; what is left over at the

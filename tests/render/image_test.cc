@@ -24,9 +24,9 @@ int count(const Image& image, uint8_t value) {
 TEST(Image, FontHasDifferentGlyphsWithInk) {
   std::set<std::vector<uint8_t>> glyphs;
   for (int c = 1; c < 95; ++c) {  // after the space
-    const std::vector<uint8_t> glyph(kFont[c], kFont[c] + 7);
+    const std::vector<uint8_t> glyph(kFont[c], kFont[c] + kGlyphRows);
     EXPECT_TRUE(glyphs.insert(glyph).second) << "same as another: " << static_cast<char>(c + 32);
-    EXPECT_NE(glyph, std::vector<uint8_t>(7, 0));
+    EXPECT_NE(glyph, std::vector<uint8_t>(kGlyphRows, 0));
     for (uint8_t row : glyph) EXPECT_LT(row, 32);
   }
 }
@@ -66,10 +66,10 @@ TEST(Image, ContactSheetHoldsEveryPictureOnce) {
     const Image sheet = contact_sheet(images, labels, columns);
     for (int i = 0; i < 7; ++i) EXPECT_EQ(count(sheet, static_cast<uint8_t>(i + 1)), images[i].width * 24);
   }
-  // 3 columns of 33 pixels, 3 rows of 24 and a caption of 7 + 4; gaps of 4 at this size
+  // 3 columns of 33 pixels, 3 rows of 24 and a caption of 9 + 4; gaps of 4 at this size
   const Image sheet = contact_sheet(images, labels, 3);
   EXPECT_EQ(sheet.width, 4 + 3 * (33 + 4));
-  EXPECT_EQ(sheet.height, 4 + 3 * (24 + 11 + 4));
+  EXPECT_EQ(sheet.height, 4 + 3 * (24 + 13 + 4));
   EXPECT_EQ(contact_sheet(images, {}, 3).height, 4 + 3 * (24 + 4));
   // captions: ink in the band below the first picture, none without labels
   EXPECT_GT(count(sheet, 60), 100);
