@@ -60,8 +60,8 @@ Vector3f disk(const Sight& sight) {
 // Places on a disk that cover it evenly and without a pattern.
 std::vector<Eigen::Vector2f> sunflower() {
   std::vector<Eigen::Vector2f> places;
-  for (int i = 0; i < 16; ++i) {
-    const double r = std::sqrt((i + 0.5) / 16), turn = 2.399963 * i;  // the golden angle
+  for (int i = 0; i < 32; ++i) {
+    const double r = std::sqrt((i + 0.5) / 32), turn = 2.399963 * i;  // the golden angle
     places.push_back(Eigen::Vector2d(r * std::cos(turn), r * std::sin(turn)).cast<float>());
   }
   return places;
