@@ -1,6 +1,6 @@
 // Fewer triangles for nearly the same picture: half-edge collapses ordered by quadric error (Garland and
 // Heckbert 1997, "Surface simplification using quadric error metrics"). A vertex is only ever moved onto a
-// neighbour, so every vertex that is left is one of the file's, with its own normal and texture coordinate.
+// neighbour, so every vertex that is left is one of the file's, with its own texture coordinate; creases stay.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -38,6 +38,18 @@ struct Move {
     return rank != o.rank ? rank > o.rank : from != o.from ? from > o.from : to > o.to;
   }
 };
+
+// Vertices get the mean direction of their triangles, by area: a wide flat face stays flat, whatever is at its edge.
+void make_normals(Mesh& mesh) {
+  std::vector<Vector3d> sums(mesh.positions.size(), Vector3d::Zero());
+  for (size_t c = 0; c < mesh.indices.size(); c += 3) {
+    const auto corner = [&](size_t k) { return Vector3d(mesh.positions[mesh.indices[c + k]].cast<double>()); };
+    const Vector3d twice_area = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    for (size_t k = 0; k < 3; ++k) sums[mesh.indices[c + k]] += twice_area;
+  }
+  for (size_t v = 0; v < sums.size(); ++v)
+    if (sums[v].norm() > 0) mesh.normals[v] = sums[v].normalized().cast<float>();
+}
 
 class Decimator {
  public:
@@ -81,6 +93,7 @@ class Decimator {
       kept.count = static_cast<uint32_t>(out->indices.size()) - kept.first;
       if (kept.count) out->surfaces.push_back(kept);
     }
+    make_normals(*out);
     return out;
   }
 
@@ -211,8 +224,8 @@ class Decimator {
     return point(3 * t) == p || point(3 * t + 1) == p || point(3 * t + 2) == p;
   }
 
-  // Two triangles vanish (one at a rim), none of the others turns over or leans away from its normals: light
-  // would flare where a groove was.
+  // Two triangles vanish (one at a rim), none of the others turns over or loses the side that its normals are
+  // on.
   bool possible(uint32_t from, uint32_t to) const {
     const std::vector<uint32_t> a = neighbours(from), b = neighbours(to);
     std::vector<uint32_t> common;
@@ -234,7 +247,7 @@ class Decimator {
         return false;
       for (int k = 0; k < 3; ++k) {
         const Vector3d n = mesh_.normals[vertex_at(t, k, from, to, after)].cast<double>();
-        if (!(n.dot(after) > 0.6 * after.norm())) return false;
+        if (!(n.dot(after) > 0.3 * after.norm())) return false;
       }
     }
     return true;

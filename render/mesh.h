@@ -72,7 +72,7 @@ MeshPtr make_mesh(const Soup& soup, double crease = 0.7);
 // Fewer triangles for nearly the same picture: vertices are moved onto their neighbours, cheapest first,
 // until `triangles` are left or the next move would leave the surface by more than `error` metres (distance
 // to the planes of all triangles that a vertex stands for; 0 = flat parts only). Corners, seams of colour or
-// texture and rims of holes stay; vertices keep their normals, so that shading stays too. Deterministic.
+// texture and rims of holes stay, and so do creases; normals are made anew, from what is left. Deterministic.
 MeshPtr decimate(const Mesh& mesh, size_t triangles, double error);
 
 // Reads .stl, .dae, .obj, .gltf or .glb (any assimp can). Node transforms and the Collada unit are applied,

@@ -19,6 +19,8 @@
 namespace lab::render {
 namespace {
 
+constexpr size_t kMany = 4;  // times the triangles wished for: then the error may be larger
+
 namespace fs = std::filesystem;
 
 constexpr char kMagic[] = "lab mesh";  // 8 bytes in the file
@@ -212,8 +214,12 @@ void store(const fs::path& entry, const std::string& bytes) {
 
 MeshFile make(const std::string& path, const MeshOptions& options) {
   MeshFile file = read_mesh_file(path);
-  if (options.triangles > 0 && file.mesh->triangles() > options.triangles)
-    file.mesh = decimate(*file.mesh, options.triangles, options.error);
+  const auto reduce = [&](size_t triangles, double error) {
+    if (options.triangles > 0 && file.mesh->triangles() > triangles)
+      file.mesh = decimate(*file.mesh, triangles, error);
+  };
+  reduce(options.triangles, options.error);
+  reduce(kMany * options.triangles, 2 * options.error);
   for (std::string& warning : file.warnings)  // the same content may lie elsewhere tomorrow
     if (warning.compare(0, path.size(), path) == 0) warning.erase(0, path.size());
   return file;

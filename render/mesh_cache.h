@@ -14,8 +14,8 @@ namespace lab::render {
 std::string mesh_cache_folder();
 
 struct MeshOptions {
-  // A mesh of more triangles than this is decimated, by at most `error` (in the file's units). 0: left as it
-  // is.
+  // A mesh of more triangles than this is decimated, by at most `error` (in the file's units); if that leaves
+  // four times as many, once more, by twice as much. 0: left as it is.
   size_t triangles = 0;
   double error = 0;
   std::string cache = mesh_cache_folder();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kFineEnough = 1500;  // triangles below which a stand-in saves nothing
 
-// Cells as wide as three triangles, but not so wide that they show at the edge of a shadow.
+// Cells as wide as four triangles, but not so wide that they show at the edge of a shadow.
 Coarse stand_in(const Mesh& mesh) {
   if (mesh.triangles() <= kFineEnough) return {mesh.positions, mesh.indices};
   double area = 0;
@@ -22,7 +22,7 @@ Coarse stand_in(const Mesh& mesh) {
         (mesh.positions[mesh.indices[i + 1]] - a).cross(mesh.positions[mesh.indices[i + 2]] - a).norm() / 2;
   }
   const double triangle = std::sqrt(area / static_cast<double>(mesh.triangles()));
-  const double cell = std::min(3.3 * triangle, mesh.bounds.diagonal().norm() / 25);
+  const double cell = std::min(4 * triangle, mesh.bounds.diagonal().norm() / 20);
   return coarsen(mesh, static_cast<float>(cell));
 }
 
