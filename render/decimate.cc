@@ -1,6 +1,7 @@
 // Fewer triangles for nearly the same picture: half-edge collapses ordered by quadric error (Garland and
 // Heckbert 1997, "Surface simplification using quadric error metrics"). A vertex is only ever moved onto a
-// neighbour, so every vertex that is left is one of the file's, with its own texture coordinate; creases stay.
+// neighbour, so every vertex that is left is one of the file's, with its own texture coordinate; creases
+// stay.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -39,11 +40,14 @@ struct Move {
   }
 };
 
-// Vertices get the mean direction of their triangles, by area: a wide flat face stays flat, whatever is at its edge.
+// Vertices get the mean direction of their triangles, by area: a wide flat face stays flat, whatever is at
+// its edge.
 void make_normals(Mesh& mesh) {
   std::vector<Vector3d> sums(mesh.positions.size(), Vector3d::Zero());
   for (size_t c = 0; c < mesh.indices.size(); c += 3) {
-    const auto corner = [&](size_t k) { return Vector3d(mesh.positions[mesh.indices[c + k]].cast<double>()); };
+    const auto corner = [&](size_t k) {
+      return Vector3d(mesh.positions[mesh.indices[c + k]].cast<double>());
+    };
     const Vector3d twice_area = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     for (size_t k = 0; k < 3; ++k) sums[mesh.indices[c + k]] += twice_area;
   }

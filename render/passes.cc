@@ -31,7 +31,8 @@ void set_sides(bool mirrored, bool two_sided) {
   two_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
 }
 
-// Software OpenGL fills the triangles of one batch while the next is put together, but only once it is told to.
+// Software OpenGL fills the triangles of one batch while the next is put together, but only once it is told
+// to.
 class Batches {
  public:
   void add(size_t triangles) {

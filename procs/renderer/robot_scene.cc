@@ -4,7 +4,6 @@
 #include <rbd/algorithm/kinematics.h>
 
 #include <Eigen/Geometry>
-
 #include <algorithm>
 
 #include "procs/renderer/parts.h"

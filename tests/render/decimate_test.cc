@@ -108,14 +108,16 @@ TEST(Decimate, StopsAtTheBudgetAndIsDeterministic) {
   EXPECT_EQ(a->positions, b->positions);
   for (size_t i = 0; i < a->positions.size(); ++i) {
     EXPECT_NEAR(a->positions[i].norm(), 1, 1e-6) << "every vertex is one of the sphere's";
-    EXPECT_LT((a->normals[i] - a->positions[i]).norm(), 0.16) << "2 sides of 0.08, each leaning by half of it, all on one hand";
+    EXPECT_LT((a->normals[i] - a->positions[i]).norm(), 0.16)
+        << "2 sides of 0.08, each leaning by half of it, all on one hand";
   }
 }
 
 // A board with a bump of few triangles: whoever stands at its foot belongs to the board, which is wider.
 TEST(Decimate, NormalsGoByArea) {
   Soup soup;
-  soup.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {-.1f, -.1f, 0}, {.1f, -.1f, 0}, {.1f, .1f, 0}, {-.1f, .1f, 0}, {0, 0, .05f}};
+  soup.positions = {{-1, -1, 0},    {1, -1, 0},    {1, 1, 0},      {-1, 1, 0},  {-.1f, -.1f, 0},
+                    {.1f, -.1f, 0}, {.1f, .1f, 0}, {-.1f, .1f, 0}, {0, 0, .05f}};
   for (uint32_t k = 0; k < 4; ++k) {
     const uint32_t next = (k + 1) % 4;
     soup.indices.insert(soup.indices.end(), {k, next, 4 + next, k, 4 + next, 4 + k, 4 + k, 4 + next, 8});
@@ -124,7 +126,9 @@ TEST(Decimate, NormalsGoByArea) {
   ASSERT_EQ(m->triangles(), 12u);
   for (size_t v = 0; v < m->positions.size(); ++v) {
     const Vector3f& p = m->positions[v];
-    if (p.z() == 0) { EXPECT_GT(m->normals[v].z(), .999) << p.transpose(); }
+    if (p.z() == 0) {
+      EXPECT_GT(m->normals[v].z(), .999) << p.transpose();
+    }
   }
 }
 
