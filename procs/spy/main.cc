@@ -1,7 +1,6 @@
 // lab-spy: what is said on a bus, decoded at run time.
 #include <fmt/format.h>
 #include <fnmatch.h>
-#include <signal.h>
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -15,13 +14,13 @@
 #include "procs/spy/types.h"
 #include "procs/wire/bus.h"
 #include "procs/wire/codec.h"
+#include "procs/wire/interrupt.h"
 #include "procs/wire/participant.h"
 
 namespace lab::spy {
 namespace {
 
 using nlohmann::ordered_json;
-volatile sig_atomic_t interrupted = 0;
 
 struct Options {
   std::string url, types, channel;
@@ -225,9 +224,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kOk : kUsage;
   }
-  struct sigaction action {};
-  action.sa_handler = [](int number) { interrupted = number; };
-  sigaction(SIGINT, &action, nullptr), sigaction(SIGTERM, &action, nullptr);
+  heed_signals();
   return guarded_main("lab-spy", [&] {
     try {
       if (*echo_verb) return echo(options);
