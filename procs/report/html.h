@@ -15,7 +15,7 @@ std::string figure(double value, int digits = 4);
 /// Cells are HTML. The first column is text, the others are numbers unless `text_columns` says more.
 struct Table {
   std::vector<std::string> head;
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::vector<std::string>> rows{};
   size_t text_columns = 1;
   bool narrow = false;  ///< many columns
   std::string html() const;

@@ -59,6 +59,10 @@ svg .f-purple { fill: var(--purple); } svg .f-sky { fill: var(--sky); } svg .f-b
 .film img { width: 100%; height: auto; border-radius: 6px; display: block; }
 pre { background: var(--tint); border: 1px solid var(--line); border-radius: 8px; padding: .9rem 1.1rem; overflow-x: auto; font: 12.5px/1.5 ui-monospace, SFMono-Regular, Menlo, Consolas, monospace; margin: .4rem 0 1rem; }
 code { font: .93em ui-monospace, SFMono-Regular, Menlo, Consolas, monospace; }
+section > p code { overflow-wrap: anywhere; }
+.maps { display: flex; flex-wrap: wrap; gap: .4rem 1.4rem; } .maps svg { flex: 0 1 530px; max-width: 100%; }
+.metrics { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(480px, 100%), 1fr)); gap: 0 2rem; }
+.dot { fill: var(--blue); fill-opacity: .7; } svg .way { stroke: var(--blue); stroke-width: 1.5; } svg .cross { stroke: var(--bad); stroke-width: 2; }
 .columns { display: grid; grid-template-columns: repeat(auto-fit, minmax(310px, 1fr)); gap: 0 2.4rem; align-items: start; }
 @media (max-width: 600px) {
   .plots.one { overflow-x: auto; } .plots.one svg { min-width: 640px; }
@@ -73,6 +77,8 @@ code { font: .93em ui-monospace, SFMono-Regular, Menlo, Consolas, monospace; }
   h2 { break-after: avoid; margin-top: 1.6rem; } tr, .key { break-inside: avoid; } thead { display: table-header-group; }
   .plots { grid-template-columns: repeat(3, 1fr); } .plots.two { grid-template-columns: repeat(2, 1fr); } .plots.one { grid-template-columns: 1fr; }
   .legend, section > p { break-after: avoid; } .film img { width: 88%; } .scroll { overflow: visible; } pre { white-space: pre-wrap; overflow-wrap: anywhere; font-size: 8pt; }
+  .metrics { grid-template-columns: 1fr 1fr; } .maps svg { flex-basis: 47%; } .metrics section { break-inside: avoid; } .metrics svg { flex-basis: 100%; }
+  svg { -webkit-print-color-adjust: exact; print-color-adjust: exact; }
   th, td { padding: .2rem .5rem; } .narrow { font-size: 8pt; } .narrow th, .narrow td { padding: .2rem .35rem; }
 }
 )css";

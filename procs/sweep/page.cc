@@ -21,18 +21,6 @@ constexpr double kLeft = 96, kTop = 16, kWidth = 500, kBottom = 48;  // px: marg
 constexpr size_t kNamed = 20;     // runs that went wrong, in the table
 constexpr size_t kTitled = 1000;  // cells of a map that say what they are; more make a heavy page
 
-constexpr const char* kStyle = R"(
-body{font:15px/1.45 system-ui,sans-serif;max-width:1360px;margin:2em auto;padding:0 1.5em;color:#1a1a1a;background:#fff}
-h1{margin-bottom:.2em}h2{margin:1.6em 0 .2em;border-bottom:1px solid #ccc}
-.metrics{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(600px,100%),1fr));gap:0 2em}
-.plots{display:flex;flex-wrap:wrap;gap:1em}svg{flex:0 1 640px;max-width:100%;height:auto;font:12px system-ui,sans-serif}
-table{border-collapse:collapse}td,th{padding:.15em .7em;text-align:left;border-bottom:1px solid #ddd;vertical-align:top}
-td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}code{background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}.dim{color:#666}
-.dot{fill:#2a788e;fill-opacity:.7}.cross{stroke:#c0242c;stroke-width:2;fill:none}.way{fill:none;stroke:#2a788e;stroke-width:1.5}
-@media print{body{margin:0;max-width:none;font-size:11px}section{break-inside:avoid}.metrics{grid-template-columns:1fr 1fr}svg{flex-basis:47%}.metrics svg{flex-basis:100%}
-*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
-)";
-
 /// What the runs of one place have in common.
 struct Place {
   double sum = 0, least = INFINITY, most = -INFINITY;
@@ -87,7 +75,7 @@ class Horizontal {
   std::string draw(double bottom, const std::string& name) const {
     std::string out = svg::text(kLeft + kWidth / 2, bottom + 38, name + (scale_->logarithmic() ? " (log)" : ""));
     const auto mark = [&](double x, const std::string& words) {
-      out += svg::line(x, bottom, x, bottom + 5, "stroke=\"#444\"") + svg::text(x, bottom + 19, words);
+      out += svg::line(x, bottom, x, bottom + 5, "frame") + svg::text(x, bottom + 19, words);
     };
     if (numbers_.empty()) for (const std::string& value : values_) mark(at(value), value);
     else for (double tick : few_ ? numbers_ : scale_->ticks()) mark(scale_->at(tick), svg::label(tick));
@@ -106,8 +94,7 @@ class Page {
   Page(const Sweep& sweep, const std::vector<Row>& rows) : sweep_(sweep), rows_(rows) {}
 
   std::string write() {
-    out_ = fmt::format("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\n"
-                       "<title>sweep {0}</title><style>{1}</style></head><body>\n<h1>Sweep {0}</h1>\n", report::escape(sweep_.name), kStyle);
+    out_ = "<h1>Sweep " + report::escape(sweep_.name) + "</h1>\n";
     head();
     best();
     const size_t plots = !sweep_.grid.empty() + sweep_.draws.size();  // of each metric; single ones stand side by side
@@ -115,7 +102,7 @@ class Page {
     for (size_t m = 0; m < sweep_.metrics.size(); ++m) metric(m);
     out_ += "</div>\n";
     wrong();
-    return out_ + "</body></html>\n";
+    return report::page("sweep " + sweep_.name, out_);
   }
 
  private:
@@ -139,17 +126,16 @@ class Page {
   }
 
   void best() {
-    out_ += "<section><h2>Smallest and largest</h2>\n"
-            "<table><tr><th>metric</th><th class=\"n\">smallest</th><th>run</th><th class=\"n\">largest</th><th>run</th></tr>\n";
+    report::Table table{.head = {"metric", "smallest", "run", "largest", "run"}, .text_columns = 5};
     for (size_t m = 0; m < sweep_.metrics.size(); ++m) {
       const Extremes found = extremes(rows_, m);
-      const auto cells = [&](int64_t run) {
-        if (run < 0) return std::string("<td class=\"n\">-</td><td></td>");
-        return fmt::format("<td class=\"n\">{}</td><td>{}: {}</td>", svg::label(rows_[static_cast<size_t>(run)].metrics[m]), run, report::escape(short_settings(run)));
-      };
-      out_ += fmt::format("<tr><td>{}</td>{}{}</tr>\n", report::escape(sweep_.metrics[m]), cells(found.smallest), cells(found.largest));
+      table.rows.push_back({report::escape(sweep_.metrics[m])});
+      for (int64_t run : {found.smallest, found.largest}) {
+        table.rows.back().push_back(run < 0 ? "–" : svg::label(rows_[static_cast<size_t>(run)].metrics[m]));
+        table.rows.back().push_back(run < 0 ? "" : report::escape(fmt::format("{}: {}", run, short_settings(run))));
+      }
     }
-    out_ += "</table></section>\n";
+    out_ += report::section("Smallest and largest", table.html());
   }
 
   std::string short_settings(int64_t run) const {
@@ -164,13 +150,12 @@ class Page {
     for (size_t run = 0; run < rows_.size(); ++run)
       if (!rows_[run].complete) runs.push_back(run);
     if (runs.empty()) return;
-    out_ += "<section><h2>Runs without figures</h2>\n<table><tr><th class=\"n\">run</th><th>settings</th><th>reason</th></tr>\n";
+    report::Table table{.head = {"run", "settings", "reason"}, .text_columns = 3};
     for (size_t i = 0; i < std::min(runs.size(), kNamed); ++i)
-      out_ += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", runs[i],
-                          report::escape(short_settings(static_cast<int64_t>(runs[i]))), report::escape(rows_[runs[i]].reason));
-    out_ += "</table>\n";
-    if (runs.size() > kNamed) out_ += fmt::format("<p>.. and {} more, in sweep.csv.</p>\n", runs.size() - kNamed);
-    out_ += "</section>\n";
+      table.rows.push_back({fmt::format("{}", runs[i]), report::escape(short_settings(static_cast<int64_t>(runs[i]))), report::escape(rows_[runs[i]].reason)});
+    std::string more;
+    if (runs.size() > kNamed) more = fmt::format("<p>.. and {} more, in sweep.csv.</p>\n", runs.size() - kNamed);
+    out_ += report::section("Runs without figures", table.html() + more);
   }
 
   void metric(size_t m) {
@@ -178,20 +163,20 @@ class Page {
     out_ += "<section><h2>" + report::escape(name) + "</h2>\n";
     for (const Metric& known : metrics())
       if (known.name == name.substr(0, name.find('.')))
-        out_ += fmt::format("<p class=\"dim\">{}{}</p>\n", report::escape(known.what), *known.unit ? std::string(", ") + known.unit : "");
+        out_ += fmt::format("<p class=\"soft\">{}{}</p>\n", report::escape(known.what), *known.unit ? std::string(", ") + known.unit : "");
     const Extremes found = extremes(rows_, m);
     if (found.smallest < 0) {
       out_ += "<p>No run has a value.</p></section>\n";
       return;
     }
-    out_ += "<div class=\"plots\">\n";
+    out_ += "<div class=\"maps\">\n";
     if (sweep_.grid.size() >= 2) heat_map(m);
     if (sweep_.grid.size() == 1) along(m, sweep_.grid[0].key, 0, true);
     for (size_t i = 0; i < sweep_.draws.size(); ++i) along(m, sweep_.draws[i].key, sweep_.grid.size() + i, false);
     out_ += "</div>\n";
     if (const size_t more = sweep_.grid.size() > 2 ? sweep_.grid.size() - 2 : 0; more > 0 || (!sweep_.draws.empty() && !sweep_.grid.empty()))
-      out_ += "<p class=\"dim\">Over the grid: means of the runs that agree in what is shown; a cross in a corner: some of them have no figures.</p>\n";
-    out_ += "<p class=\"dim\">Smallest: <code>" + report::escape(command(sweep_, found.smallest)) + "</code></p></section>\n";
+      out_ += "<p class=\"soft\">Over the grid: means of the runs that agree in what is shown; a cross in a corner: some of them have no figures.</p>\n";
+    out_ += "<p class=\"soft\">Smallest: <code>" + report::escape(command(sweep_, found.smallest)) + "</code></p></section>\n";
   }
 
   void open(double height) { out_ += fmt::format("<svg viewBox=\"0 0 640 {:.0f}\" role=\"img\">\n", height); }
@@ -220,14 +205,14 @@ class Page {
         const double x = kLeft + w * static_cast<double>(c);
         const std::string title = places.size() > kTitled ? "" : place.words(down.key + " " + down.values[r] + ", " + across.key + " " + across.values[c]);
         if (place.values == 0) {
-          out_ += svg::rect(x, y, w, h, "#ddd", title) + svg::cross(x + w / 2, y + h / 2, title);
+          out_ += svg::rect(x, y, w, h, "var(--line)", title) + svg::cross(x + w / 2, y + h / 2, title);
           continue;
         }
         const double share = shade.share(place.mean());
         out_ += svg::rect(x, y, w, h, svg::colour(share), title);
         if (place.without > 0 && w > 24 && h > 15) out_ += svg::cross(x + w - 8, y + 8, title);  // the mean leaves some out
         if (w > 42 && h > 15)
-          out_ += svg::text(x + w / 2, y + h / 2 + 4, fmt::format("{:.3g}", place.mean()), "middle", fmt::format("fill=\"{}\" pointer-events=\"none\"", svg::ink(share)));
+          out_ += svg::text(x + w / 2, y + h / 2 + 4, fmt::format("{:.3g}", place.mean()), "middle", fmt::format("style=\"fill:{}\" pointer-events=\"none\"", svg::ink(share)));
       }
     }
     for (size_t c = 0; c < columns; c += every_column) out_ += svg::text(kLeft + w * (static_cast<double>(c) + 0.5), bottom + 17, svg::label(across.values[c]));
@@ -259,9 +244,9 @@ class Page {
     const Horizontal x(values);
     const svg::Scale y(ends, bottom, kTop + 14);  // a strip on top is for the runs without a value
     open(bottom + kBottom);
-    out_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#444\"/>\n", kLeft, kTop, kWidth, bottom - kTop);
+    out_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"frame\" fill=\"none\"/>\n", kLeft, kTop, kWidth, bottom - kTop);
     for (double tick : y.ticks())
-      out_ += svg::line(kLeft, y.at(tick), kLeft + kWidth, y.at(tick), "stroke=\"#ddd\"") + svg::text(kLeft - 6, y.at(tick) + 4, svg::label(tick), "end");
+      out_ += svg::line(kLeft, y.at(tick), kLeft + kWidth, y.at(tick), "grid") + svg::text(kLeft - 6, y.at(tick) + 4, svg::label(tick), "end");
     out_ += x.draw(bottom, key);
     vertical_name(sweep_.metrics[m] + (y.logarithmic() ? " (log)" : ""), (kTop + bottom) / 2);
     std::map<double, double> way;
@@ -272,12 +257,12 @@ class Page {
         out_ += svg::cross(x.at(value), kTop + 8, title);
         continue;
       }
-      if (place.values > 1) out_ += svg::line(x.at(value), y.at(place.least), x.at(value), y.at(place.most), "stroke=\"#888\"");
+      if (place.values > 1) out_ += svg::line(x.at(value), y.at(place.least), x.at(value), y.at(place.most), "frame");
       out_ += svg::dot(x.at(value), y.at(place.mean()), joined ? 4 : 3, title);
       way[x.at(value)] = y.at(place.mean());
     }
     if (joined) {
-      out_ += "<polyline class=\"way\" points=\"";
+      out_ += "<polyline class=\"way\" fill=\"none\" points=\"";
       for (const auto& [at, height] : way) out_ += fmt::format("{:.1f},{:.1f} ", at, height);
       out_ += "\"/>\n";
     }

@@ -32,7 +32,8 @@ std::string colour(double share);
 const char* ink(double share);
 
 std::string text(double x, double y, const std::string& words, const std::string& anchor = "middle", const std::string& more = "");
-std::string line(double x1, double y1, double x2, double y2, const std::string& style);
+/// kind: "frame" or "grid", as the page's style has them.
+std::string line(double x1, double y1, double x2, double y2, const char* kind);
 std::string rect(double x, double y, double width, double height, const std::string& fill, const std::string& title = "");
 std::string dot(double x, double y, double radius, const std::string& title = "");
 /// A run that has no value there.
