@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   add(app.add_flag("--ids", job.ids, "numbers of links beside each picture: 16-bit PNG"));
 
   add(app.add_option("--size", "WIDTHxHEIGHT, pixels")->each([&](const std::string& text) {
-    if (const std::string fault = read_size(text, job.width, job.height); !fault.empty()) throw CLI::ValidationError("--size", fault);
+    if (const std::string fault = read_size(text, job.width, job.height); !fault.empty()) throw CLI::ValidationError(fault);
   }));
   add(app.add_option("--quality", job.quality, "draft, live or fine"))->check(CLI::IsMember({"draft", "live", "fine"}));
   add(app.add_option("--camera", job.camera, "iso, front, side or top"))->check(CLI::IsMember(lab::render::view_names()));
