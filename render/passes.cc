@@ -15,6 +15,7 @@ using Eigen::Vector3f;
 using Eigen::Vector4f;
 
 constexpr float kShadowBlur = 0.0045f;  // radius on bodies, as part of the shadow map's side
+constexpr int kPlaces = 32;             // looked at around a point of the floor
 constexpr double kSunSize = 0.045;      // tangent of the sun's apparent radius, wider than nature's
 
 Eigen::Matrix4f to_float(const Matrix4d& m) { return m.cast<float>(); }
@@ -61,8 +62,8 @@ Vector3f disk(const Sight& sight) {
 // Places on a disk that cover it evenly and without a pattern.
 std::vector<Eigen::Vector2f> sunflower() {
   std::vector<Eigen::Vector2f> places;
-  for (int i = 0; i < 32; ++i) {
-    const double r = std::sqrt((i + 0.5) / 32), turn = 2.399963 * i;  // the golden angle
+  for (int i = 0; i < kPlaces; ++i) {
+    const double r = std::sqrt((i + 0.5) / kPlaces), turn = 2.399963 * i;  // the golden angle
     places.push_back(Eigen::Vector2d(r * std::cos(turn), r * std::sin(turn)).cast<float>());
   }
   return places;
@@ -152,7 +153,8 @@ void Passes::floor_shadow(const Sight& sight, const Scene& scene, unsigned shado
   bind(0, shadow_map);
   bind(2, shadow_map);
   const Program& p =
-      lazily(floor_shadow_, "floor shadow", shaders::kFloorVertex, shaders::kFloorShadowFragment);
+      lazily(floor_shadow_, "floor shadow", shaders::kFloorVertex, shaders::kFloorShadowFragment,
+             ("#define PLACES " + std::to_string(kPlaces) + "\n").c_str());
   p.set("u_shadow_depth", 2);
   p.set("u_places", sunflower());
   p.set("u_disk", disk(sight));

@@ -207,7 +207,7 @@ uniform mat4 u_shadow_from_world;
 uniform sampler2DShadow u_shadow_map;
 uniform sampler2D u_shadow_depth;  // the same map, read as numbers
 uniform vec3 u_penumbra;           // least and largest radius of the blur, growth per difference of depth
-uniform vec2 u_places[32];         // on a disk of radius 1
+uniform vec2 u_places[PLACES];     // on a disk of radius 1
 uniform float u_height, u_sun_strength;
 in vec2 v_floor;
 out vec4 colour;
@@ -216,7 +216,7 @@ void main() {
   vec3 p = (u_shadow_from_world * vec4(v_floor, u_height, 1.0)).xyz;
   // The higher what casts the shadow, the softer its edge: the sun is no point.
   float blockers = 0.0, depth = 0.0;
-  for (int i = -1; i < 32; i += 2) {  // the middle first: a thin thing may lie there alone
+  for (int i = -1; i < PLACES; i += 2) {  // the middle first: a thin thing may lie there alone
     vec2 off = i < 0 ? vec2(0.0) : u_penumbra.y * u_places[i];
     float z = texture(u_shadow_depth, p.xy + off).r;
     float blocks = step(z, p.z - 0.0005);
@@ -226,8 +226,8 @@ void main() {
   if (blockers == 0.0) discard;
   float radius = clamp((p.z - depth / blockers) * u_penumbra.z, u_penumbra.x, u_penumbra.y);
   float sum = 0.0;
-  for (int i = 0; i < 32; ++i) sum += texture(u_shadow_map, vec3(p.xy + radius * u_places[i], p.z));
-  vec3 dark = mix(vec3(0.23, 0.24, 0.26), vec3(1.0), mix(1.0, sum / 32.0, min(u_sun_strength, 1.0)));
+  for (int i = 0; i < PLACES; ++i) sum += texture(u_shadow_map, vec3(p.xy + radius * u_places[i], p.z));
+  vec3 dark = mix(vec3(0.23, 0.24, 0.26), vec3(1.0), mix(1.0, sum / float(PLACES), min(u_sun_strength, 1.0)));
   colour = vec4(mix(vec3(1.0), sqrt(dark), fade(v_floor)), 1.0);  // multiplies what is there
 }
 )";

@@ -176,7 +176,10 @@ def test_every_sweep_that_comes_with_the_lab(name, tmp_path):
     assert all(row["complete"] == "true" for row in table)
     page = Page()
     page.feed((tmp_path / "out" / "sweep.html").read_text())
-    assert page.stack == [] and page.seen["svg"] >= 2 and page.seen["title"] > len(table)
+    text = (lab.ROOT / "experiments" / "sweeps" / f"{name}.yaml").read_text()
+    metrics = text.split("metrics: [")[1].split("]")[0].split(", ")
+    assert page.seen["svg"] == len(metrics) * (1 + ("draws:" in text))  # over the grid, and over what is drawn
+    assert page.stack == [] and page.seen["title"] > len(table)
 
 
 def test_dt_teaches_what_it_says(tmp_path):
