@@ -39,10 +39,14 @@ void publish(lcm_t* lcm, const char* channel, const Message& message) {
 template <class Message, class Handle>
 struct Subscription {
   Subscription(lcm_t* lcm, const char* channel, Handle handle) : handle_(std::move(handle)) {
-    lcm_subscribe(lcm, channel, [](const lcm_recv_buf_t* buffer, const char*, void* self) {
-      Message message;
-      if (message.decode(buffer->data, 0, static_cast<int>(buffer->data_size)) > 0) static_cast<Subscription*>(self)->handle_(message);
-    }, this);
+    lcm_subscribe(
+        lcm, channel,
+        [](const lcm_recv_buf_t* buffer, const char*, void* self) {
+          Message message;
+          if (message.decode(buffer->data, 0, static_cast<int>(buffer->data_size)) > 0)
+            static_cast<Subscription*>(self)->handle_(message);
+        },
+        this);
   }
   Handle handle_;
 };
@@ -62,22 +66,24 @@ lab::robot_state_t state_message() {
 
 [[noreturn]] void planner() {
   lcm_t* lcm = open_lcm();
-  Subscription<lab::robot_state_t, std::function<void(const lab::robot_state_t&)>> states(lcm, "ROBOT_STATE", [&](const auto& state) {
-    lab::reference_t reference{};
-    reference.step = state.step, reference.nq = reference.nv = kJoints;
-    reference.q = state.q, reference.v = state.v, reference.a = state.v;
-    publish(lcm, "REFERENCE", reference);
-  });
+  Subscription<lab::robot_state_t, std::function<void(const lab::robot_state_t&)>> states(
+      lcm, "ROBOT_STATE", [&](const auto& state) {
+        lab::reference_t reference{};
+        reference.step = state.step, reference.nq = reference.nv = kJoints;
+        reference.q = state.q, reference.v = state.v, reference.a = state.v;
+        publish(lcm, "REFERENCE", reference);
+      });
   for (;;) lcm_handle(lcm);
 }
 
 [[noreturn]] void controller() {
   lcm_t* lcm = open_lcm();
-  Subscription<lab::reference_t, std::function<void(const lab::reference_t&)>> references(lcm, "REFERENCE", [&](const auto& reference) {
-    lab::command_t command{};
-    command.step = reference.step, command.nv = kJoints, command.tau = reference.a;
-    publish(lcm, "COMMAND", command);
-  });
+  Subscription<lab::reference_t, std::function<void(const lab::reference_t&)>> references(
+      lcm, "REFERENCE", [&](const auto& reference) {
+        lab::command_t command{};
+        command.step = reference.step, command.nv = kJoints, command.tau = reference.a;
+        publish(lcm, "COMMAND", command);
+      });
   for (;;) lcm_handle(lcm);
 }
 
@@ -96,7 +102,8 @@ int main(int argc, char** argv) {
   const pid_t others[2] = {start([] { planner(); }), start([] { controller(); })};
   lcm_t* lcm = open_lcm();
   int64_t answered = -1;
-  Subscription<lab::command_t, std::function<void(const lab::command_t&)>> commands(lcm, "COMMAND", [&](const auto& command) { answered = std::max(answered, command.step); });
+  Subscription<lab::command_t, std::function<void(const lab::command_t&)>> commands(
+      lcm, "COMMAND", [&](const auto& command) { answered = std::max(answered, command.step); });
   lab::robot_state_t state = state_message();
   double begin = 0;
   int64_t timed = 0;

@@ -18,7 +18,8 @@ constexpr double kIntegral = 150;  // Nm/(rad s)
 // else, so that a restart or a replay of the log comes to the same numbers.
 void pid(const Config& config, State& state, const Input&, Eigen::VectorXd& tau) {
   state.memory += config.period * state.e;
-  tau = state.gains.kp.cwiseProduct(state.e) + state.gains.kd.cwiseProduct(state.e_dot) + kIntegral * state.memory;
+  tau = state.gains.kp.cwiseProduct(state.e) + state.gains.kd.cwiseProduct(state.e_dot) +
+        kIntegral * state.memory;
 }
 
 constexpr Kind kMine[] = {{"pid", "tau = kp e + kd e' + 150 (integral of e)", pid}};
@@ -26,7 +27,8 @@ constexpr Kind kMine[] = {{"pid", "tau = kp e + kd e' + 150 (integral of e)", pi
 }  // namespace
 
 int main(int argc, char** argv) {
-  return lab::follower_main(argc, argv, lab::kController, [](lab::FollowerConfig config, lab::Publish publish) {
-    return make_role(std::move(config), std::move(publish), kMine);
-  });
+  return lab::follower_main(argc, argv, lab::kController,
+                            [](lab::FollowerConfig config, lab::Publish publish) {
+                              return make_role(std::move(config), std::move(publish), kMine);
+                            });
 }

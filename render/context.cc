@@ -14,7 +14,6 @@
 #include <mutex>
 #include <stdexcept>
 
-
 #ifdef __SANITIZE_ADDRESS__
 // OSMesa 22.3 never frees the 160 bytes that a context's surface takes, EGL keeps its driver: not our leaks,
 // and they would hide ours.

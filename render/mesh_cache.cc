@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMany = 4;  // times the triangles wished for: then the error may be larger
+constexpr size_t kMany = 4;            // times the triangles wished for: then the error may be larger
 constexpr char kMagic[] = "lab mesh";  // 8 bytes in the file
 constexpr uintmax_t kMaxCache = 1'000'000'000;
 

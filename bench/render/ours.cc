@@ -42,7 +42,8 @@ struct Show {
   rbd::Data data;
 
   Show(const Job& job, const std::string& quality)
-      : robot(lab::load_robot(lab::parse_experiment("robot: {model: \"" + job.urdf + "\"}", "bench"))), data(robot.model) {
+      : robot(lab::load_robot(lab::parse_experiment("robot: {model: \"" + job.urdf + "\"}", "bench"))),
+        data(robot.model) {
     std::vector<std::string> warnings;
     std::vector<std::string> links;
     scene.bodies = lab::renderer::make_bodies(robot, quality, links, warnings);
@@ -52,10 +53,10 @@ struct Show {
     for (int k = 0; k < job.frames; ++k) {
       // every joint swings about its middle (or 0 if it has no limits), each in a phase of its own
       Eigen::VectorXd v = Eigen::VectorXd::Zero(model.nv);
-      for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = 0.4 * std::sin(2 * M_PI * k / job.frames + 1.7 * double(i));
+      for (Eigen::Index i = 0; i < v.size(); ++i)
+        v[i] = 0.4 * std::sin(2 * M_PI * k / job.frames + 1.7 * double(i));
       Eigen::VectorXd q = rbd::integrate(model, rbd::neutral(model), v);
-      if (model.nq == model.nv)
-        q = q.cwiseMax(model.lowerPositionLimit).cwiseMin(model.upperPositionLimit);
+      if (model.nq == model.nv) q = q.cwiseMax(model.lowerPositionLimit).cwiseMin(model.upperPositionLimit);
       poses.push_back(q);
       pose(k);
       box.extend(lab::render::bounds(scene));
@@ -63,13 +64,16 @@ struct Show {
     scene.ground.height = box.min().z();
     camera = lab::render::auto_frame(box, "iso", double(job.width) / job.height);
   }
-  void pose(int k) { lab::renderer::pose_bodies(robot.model, data, poses[static_cast<size_t>(k)], scene.bodies); }
+  void pose(int k) {
+    lab::renderer::pose_bodies(robot.model, data, poses[static_cast<size_t>(k)], scene.bodies);
+  }
 };
 
 json numbers(const Eigen::MatrixXd& m) { return std::vector<double>(m.data(), m.data() + m.size()); }
 
 // MuJoCo's own format: four counts, then positions, normals, texture coordinates, triangles.
-void write_msh(const fs::path& path, const lab::render::Mesh& mesh, const lab::render::Surface& surface, const Eigen::Vector3d& scale) {
+void write_msh(const fs::path& path, const lab::render::Mesh& mesh, const lab::render::Surface& surface,
+               const Eigen::Vector3d& scale) {
   std::vector<float> positions, normals;
   std::vector<int32_t> faces;
   std::map<uint32_t, int32_t> number;
@@ -92,7 +96,8 @@ void write_msh(const fs::path& path, const lab::render::Mesh& mesh, const lab::r
   const auto put = [&](const auto* data, size_t count) {
     out.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(count * sizeof *data));
   };
-  put(counts, 4), put(positions.data(), positions.size()), put(normals.data(), normals.size()), put(faces.data(), faces.size());
+  put(counts, 4), put(positions.data(), positions.size()), put(normals.data(), normals.size()),
+      put(faces.data(), faces.size());
   if (!out.flush()) throw std::runtime_error(path.string() + ": cannot write");
 }
 
@@ -109,7 +114,9 @@ json export_scene(const Job& job, const fs::path& folder) {
         write_msh(folder / file, *part.mesh, surface, part.scale);
         const Eigen::Vector4d rgba = (surface.coloured ? surface.rgba : part.rgba).cast<double>();
         const Eigen::Quaterniond turn(part.pose.linear());
-        geoms.push_back({{"file", file}, {"rgba", numbers(rgba)}, {"pos", numbers(part.pose.translation())},
+        geoms.push_back({{"file", file},
+                         {"rgba", numbers(rgba)},
+                         {"pos", numbers(part.pose.translation())},
                          {"quat", {turn.w(), turn.x(), turn.y(), turn.z()}}});
       }
     bodies.push_back({{"name", body.name}, {"geoms", geoms}});
@@ -120,18 +127,27 @@ json export_scene(const Job& job, const fs::path& folder) {
     json poses = json::array();
     for (const auto& body : show.scene.bodies) {
       const Eigen::Quaterniond turn(body.pose.linear());
-      poses.push_back({{"pos", numbers(body.pose.translation())}, {"quat", {turn.w(), turn.x(), turn.y(), turn.z()}}});
+      poses.push_back(
+          {{"pos", numbers(body.pose.translation())}, {"quat", {turn.w(), turn.x(), turn.y(), turn.z()}}});
     }
     frames.push_back(poses);
   }
-  return {{"width", job.width}, {"height", job.height}, {"floor", show.scene.ground.height}, {"bodies", bodies}, {"frames", frames},
-          {"camera", {{"eye", numbers(show.camera.eye)}, {"target", numbers(show.camera.target)}, {"fov", show.camera.fov}}}};
+  return {{"width", job.width},
+          {"height", job.height},
+          {"floor", show.scene.ground.height},
+          {"bodies", bodies},
+          {"frames", frames},
+          {"camera",
+           {{"eye", numbers(show.camera.eye)},
+            {"target", numbers(show.camera.target)},
+            {"fov", show.camera.fov}}}};
 }
 
 template <class T>
 void write_raw(const fs::path& path, const std::vector<T>& values) {
   std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
+  out.write(reinterpret_cast<const char*>(values.data()),
+            static_cast<std::streamsize>(values.size() * sizeof(T)));
   if (!out.flush()) throw std::runtime_error(path.string() + ": cannot write");
 }
 
@@ -154,7 +170,8 @@ struct Clock {
     rusage use{};
     getrusage(RUSAGE_SELF, &use);
     const auto ms = [](const timeval& t) { return 1e3 * double(t.tv_sec) + 1e-3 * double(t.tv_usec); };
-    return {std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count(),
+    return {std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+                .count(),
             ms(use.ru_utime) + ms(use.ru_stime)};
   }
 };
@@ -165,10 +182,14 @@ double bare_png(const lab::render::Image& image, size_t& size) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
   std::string bytes;
-  png_set_write_fn(png, &bytes, [](png_structp p, png_bytep data, size_t n) {
-    static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(data), n);
-  }, nullptr);
-  png_set_IHDR(png, info, static_cast<unsigned>(image.width), static_cast<unsigned>(image.height), 8, PNG_COLOR_TYPE_RGB, 0, 0, 0);
+  png_set_write_fn(
+      png, &bytes,
+      [](png_structp p, png_bytep data, size_t n) {
+        static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(data), n);
+      },
+      nullptr);
+  png_set_IHDR(png, info, static_cast<unsigned>(image.width), static_cast<unsigned>(image.height), 8,
+               PNG_COLOR_TYPE_RGB, 0, 0, 0);
   png_set_compression_level(png, 1);
   png_set_filter(png, 0, PNG_FILTER_SUB);
   png_write_info(png, info);
@@ -202,9 +223,11 @@ json time_all(const Job& job) {
         const Clock end = Clock::now();
         sum.wall += end.wall - start.wall, sum.cpu += end.cpu - start.cpu;
       }
-      best.wall = std::min(best.wall, sum.wall / job.frames), best.cpu = std::min(best.cpu, sum.cpu / job.frames);
+      best.wall = std::min(best.wall, sum.wall / job.frames),
+      best.cpu = std::min(best.cpu, sum.cpu / job.frames);
     }
-    out["modes"][quality] = {{"ms", best.wall}, {"cpu_ms", best.cpu}, {"triangles", triangles}, {"load_ms", loaded - begin}};
+    out["modes"][quality] = {
+        {"ms", best.wall}, {"cpu_ms", best.cpu}, {"triangles", triangles}, {"load_ms", loaded - begin}};
     out["gl"] = renderer.gl_info();
   }
   double ours = 1e9, bare = 1e9;
@@ -227,14 +250,17 @@ int main(int argc, char** argv) try {
   const std::string verb = argc > 1 ? argv[1] : "";
   const bool to_folder = verb == "export" || verb == "measure";
   if (!(to_folder && argc == 7) && !(verb == "time" && argc == 6)) {
-    fmt::print(stderr, "usage: bench-render export|measure URDF WIDTH HEIGHT FRAMES FOLDER | time URDF WIDTH HEIGHT FRAMES\n");
+    fmt::print(stderr,
+               "usage: bench-render export|measure URDF WIDTH HEIGHT FRAMES FOLDER | time URDF WIDTH HEIGHT "
+               "FRAMES\n");
     return 2;
   }
   const Job job{fs::absolute(argv[2]).string(), std::stoi(argv[3]), std::stoi(argv[4]), std::stoi(argv[5])};
   if (verb == "time") fmt::print("{}\n", time_all(job).dump());
   if (verb == "export") {
     const json scene = export_scene(job, argv[6]);
-    if (!(std::ofstream(fs::path(argv[6]) / "scene.json") << scene.dump() << std::endl)) throw std::runtime_error("cannot write scene.json");
+    if (!(std::ofstream(fs::path(argv[6]) / "scene.json") << scene.dump() << std::endl))
+      throw std::runtime_error("cannot write scene.json");
   }
   if (verb == "measure") measure(job, argv[6]);
   return 0;

@@ -80,7 +80,9 @@ Output step(const Config& config, State& state, const Input& input) {
   tau.resize(config.model.nv);
   try {
     config.kind->law(config, state, input, tau);
-  } catch (const std::exception&) {  // numbers too large for the dynamics: who sends commands refuses what is not finite
+  } catch (
+      const std::
+          exception&) {  // numbers too large for the dynamics: who sends commands refuses what is not finite
     tau.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   for (const rbd::JointModel& joint : config.model.joints)

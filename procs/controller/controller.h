@@ -35,16 +35,16 @@ std::span<const Kind> kinds();
 
 /// What `set controller KEY=..` can change while it runs; procs/experiment/actions.h has their keys.
 struct Gains {
-  Eigen::VectorXd kp, kd;                   ///< nv
-  std::array<double, 2> stiffness, damping; ///< of a frame: angular, linear
-  double com_gain = 0;                      ///< 1/s
+  Eigen::VectorXd kp, kd;                    ///< nv
+  std::array<double, 2> stiffness, damping;  ///< of a frame: angular, linear
+  double com_gain = 0;                       ///< 1/s
 };
 
 struct Config {
   const Kind* kind = nullptr;
-  rbd::Model model;  ///< what the controller believes
-  Gains gains;       ///< at first
-  double period = 0; ///< s from one command to the next
+  rbd::Model model;   ///< what the controller believes
+  Gains gains;        ///< at first
+  double period = 0;  ///< s from one command to the next
   bool limit_effort = false;
   rbd::FrameIndex frame = 0;  ///< the tool; cartesian_impedance
 };
@@ -55,10 +55,10 @@ Config make_config(const Experiment&, const rbd::Model&, std::span<const Kind> m
 
 struct State {
   explicit State(const Config&);
-  Gains gains;               ///< live
-  std::vector<bool> limited; ///< nv: the last command was cut here
-  Eigen::VectorXd memory;    ///< nv, 0 at first: what a law keeps from step to step, such as an integral
-  rbd::Data data;            ///< scratch from here on
+  Gains gains;                ///< live
+  std::vector<bool> limited;  ///< nv: the last command was cut here
+  Eigen::VectorXd memory;     ///< nv, 0 at first: what a law keeps from step to step, such as an integral
+  rbd::Data data;             ///< scratch from here on
   Eigen::VectorXd e, e_dot, a, posture;
   rbd::Matrix6Xd jacobian;
   Eigen::Matrix3Xd com_jacobian;

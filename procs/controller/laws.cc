@@ -123,7 +123,8 @@ void com_velocity(const Config& c, State& s, const Input& in, Eigen::VectorXd& t
 
 void require_fixed_base(const Experiment& e, const Config& c) {
   if (floats(c.model))
-    fail(e, "controller.kind", "'" + std::string(c.kind->name) + "' needs a fixed base; '" + c.model.name + "' floats");
+    fail(e, "controller.kind",
+         "'" + std::string(c.kind->name) + "' needs a fixed base; '" + c.model.name + "' floats");
 }
 
 void prepare_impedance(const Experiment& e, Config& c) {
@@ -132,11 +133,13 @@ void prepare_impedance(const Experiment& e, Config& c) {
   for (const rbd::Frame& frame : c.model.frames) names.push_back(frame.name);
   const std::string& tool = e.controller.frame;
   if (tool.empty())
-    fail(e, "controller.frame", "is missing; name the frame that cartesian_impedance holds, one of " + list_of(names));
+    fail(e, "controller.frame",
+         "is missing; name the frame that cartesian_impedance holds, one of " + list_of(names));
   if (!c.model.existFrame(tool)) {
     const std::string near = did_you_mean(tool, names);
     fail(e, "controller.frame",
-         "'" + c.model.name + "' has no frame '" + tool + "'" + (near.empty() ? "; it has " + list_of(names) : near));
+         "'" + c.model.name + "' has no frame '" + tool + "'" +
+             (near.empty() ? "; it has " + list_of(names) : near));
   }
   c.frame = c.model.frameId(tool);
   try {  // M^-1 of what it believes: a joint without any inertia has none
@@ -149,7 +152,8 @@ void prepare_impedance(const Experiment& e, Config& c) {
 
 void prepare_com(const Experiment& e, Config& c) {
   require_fixed_base(e, c);
-  if (!(rbd::computeTotalMass(c.model) > 0)) fail(e, "controller.model", "leaves no mass, and so no centre of mass");
+  if (!(rbd::computeTotalMass(c.model) > 0))
+    fail(e, "controller.model", "leaves no mass, and so no centre of mass");
 }
 
 constexpr Kind kKinds[] = {
@@ -161,7 +165,8 @@ constexpr Kind kKinds[] = {
      "tau = J^T (stiffness dx + damping dx') + nle(q, v) + (1 - J^T (J M^-1 J^T)^-1 J M^-1) (kp e + kd e')",
      cartesian_impedance, prepare_impedance},
     {"com_velocity",
-     "tau = M(q) (a_ref + kd (v_d - v)) + nle(q, v), v_d = u + Jcom^+ (com'_ref + com_gain (com_ref - com) - Jcom u), "
+     "tau = M(q) (a_ref + kd (v_d - v)) + nle(q, v), v_d = u + Jcom^+ (com'_ref + com_gain (com_ref - com) - "
+     "Jcom u), "
      "u = v_ref + kp e",
      com_velocity, prepare_com},
 };

@@ -2,7 +2,8 @@
 #include "procs/run/shell.h"
 
 int main(int argc, char** argv) {
-  return lab::follower_main(argc, argv, lab::kController, [](lab::FollowerConfig config, lab::Publish publish) {
-    return lab::controller::make_role(std::move(config), std::move(publish));
-  });
+  return lab::follower_main(argc, argv, lab::kController,
+                            [](lab::FollowerConfig config, lab::Publish publish) {
+                              return lab::controller::make_role(std::move(config), std::move(publish));
+                            });
 }

@@ -19,27 +19,32 @@ bool has_mass(const rbd::Inertia& inertia) { return inertia.mass() > 0; }
 std::vector<std::string> bodies(const rbd::Model& model) {
   std::vector<std::string> names;
   for (const rbd::Frame& frame : model.frames)
-    if (frame.type == rbd::BODY && frame.parentJoint > 0 && has_mass(frame.inertia)) names.push_back(frame.name);
+    if (frame.type == rbd::BODY && frame.parentJoint > 0 && has_mass(frame.inertia))
+      names.push_back(frame.name);
   for (int j = 1; j < model.njoints; ++j)
     if (has_mass(model.inertias[j])) names.push_back(model.names[j]);
   return names;
 }
 
-Body find_body(const Experiment& e, const std::string& key, const std::string& name, const rbd::Model& model) {
+Body find_body(const Experiment& e, const std::string& key, const std::string& name,
+               const rbd::Model& model) {
   const rbd::FrameIndex link = model.getFrameId(name, rbd::BODY);
   const bool is_link = link < model.nframes;
   if (is_link && has_mass(model.frames[link].inertia)) {
-    if (model.frames[link].parentJoint == 0) fail(e, key, "'" + name + "' stands on the ground; its mass moves nothing");
+    if (model.frames[link].parentJoint == 0)
+      fail(e, key, "'" + name + "' stands on the ground; its mass moves nothing");
     return {model.frames[link].parentJoint, model.frames[link].placement, model.frames[link].inertia};
   }
   const rbd::JointIndex joint = model.getJointId(name);
   const bool is_joint = joint > 0 && joint < model.njoints;
-  if (is_joint && has_mass(model.inertias[joint])) return {joint, rbd::SE3::Identity(), model.inertias[joint]};
+  if (is_joint && has_mass(model.inertias[joint]))
+    return {joint, rbd::SE3::Identity(), model.inertias[joint]};
   if (is_link || is_joint)
     fail(e, key, "'" + name + "' has no mass of its own; bodies are " + list_of(bodies(model)));
   const std::string near = did_you_mean(name, bodies(model));
-  fail(e, key, "'" + model.name + "' has no link or joint '" + name + "'" +
-                   (near.empty() ? "; bodies are " + list_of(bodies(model)) : near));
+  fail(e, key,
+       "'" + model.name + "' has no link or joint '" + name + "'" +
+           (near.empty() ? "; bodies are " + list_of(bodies(model)) : near));
 }
 
 /// `whole` less a body that is part of it (both in the same axes). What rounding leaves of nothing is nothing.
@@ -56,7 +61,8 @@ rbd::Model own_model(const Experiment& e, const rbd::Model& nominal) {
   for (size_t i = 0; i < errors.without.size(); ++i) {
     const std::string key = "controller.model.without[" + std::to_string(i) + "]";
     for (size_t before = 0; before < i; ++before)
-      if (errors.without[before] == errors.without[i]) fail(e, key, "'" + errors.without[i] + "' is given twice");
+      if (errors.without[before] == errors.without[i])
+        fail(e, key, "'" + errors.without[i] + "' is given twice");
     const Body body = find_body(e, key, errors.without[i], nominal);
     model.setInertia(body.joint, less(model.inertias[body.joint], body.placement.act(body.inertia)));
   }
@@ -64,7 +70,8 @@ rbd::Model own_model(const Experiment& e, const rbd::Model& nominal) {
     const std::string key = "controller.model.com_shift." + name;
     const Body body = find_body(e, key, name, model);
     const bool named = std::find(errors.without.begin(), errors.without.end(), name) != errors.without.end();
-    if (named || model.inertias[body.joint].mass() < (1 - 1e-9) * body.inertia.mass())  // itself, or its joint
+    if (named ||
+        model.inertias[body.joint].mass() < (1 - 1e-9) * body.inertia.mass())  // itself, or its joint
       fail(e, key, "is taken away by controller.model.without; keep one of them");
     const Eigen::Vector3d by(shift[0], shift[1], shift[2]);
     const rbd::Inertia moved(body.inertia.mass(), body.inertia.lever() + by, body.inertia.inertia());

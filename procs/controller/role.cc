@@ -19,8 +19,8 @@ std::unique_ptr<Role> make_role(FollowerConfig follower, Publish publish, std::s
     part->state.emplace(initial(part->config));
     return setup_of(run);
   };
-  const ControlStep control = [part](const RobotState& state, const Reference& reference, std::span<const Action> actions,
-                                     std::vector<Event>& events) {
+  const ControlStep control = [part](const RobotState& state, const Reference& reference,
+                                     std::span<const Action> actions, std::vector<Event>& events) {
     Output output = step(part->config, *part->state, {state, reference, actions});
     events = std::move(output.events);
     return std::move(output.command);

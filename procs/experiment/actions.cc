@@ -10,7 +10,8 @@ namespace {
 
 std::string count_fault(const Action& action, size_t wanted) {
   if (action.values.size() == wanted) return "";
-  return action.verb + " has " + std::to_string(action.values.size()) + " values, needed " + std::to_string(wanted);
+  return action.verb + " has " + std::to_string(action.values.size()) + " values, needed " +
+         std::to_string(wanted);
 }
 
 std::string goal_fault(const rbd::Model& model, const Action& action) {
@@ -21,15 +22,18 @@ std::string goal_fault(const rbd::Model& model, const Action& action) {
     return fault + ", one for each joint";
   } else {
     for (int i = 0; i < model.nq; ++i) {
-      const double q = action.values[i], low = model.lowerPositionLimit[i], high = model.upperPositionLimit[i];
+      const double q = action.values[i], low = model.lowerPositionLimit[i],
+                   high = model.upperPositionLimit[i];
       if (q < low || q > high)
-        return "goal of joint '" + joint_at(model, i) + "' is " + number(q) + ", its limits are " + number(low) + " .. " + number(high);
+        return "goal of joint '" + joint_at(model, i) + "' is " + number(q) + ", its limits are " +
+               number(low) + " .. " + number(high);
     }
   }
   if (action.key == "duration") {
     char* end = nullptr;
     const double duration = std::strtod(action.text.c_str(), &end);
-    if (action.text.empty() || *end || !(duration >= 0) || !std::isfinite(duration)) return "duration '" + action.text + "' is no time in s";
+    if (action.text.empty() || *end || !(duration >= 0) || !std::isfinite(duration))
+      return "duration '" + action.text + "' is no time in s";
   }
   return "";
 }
@@ -42,10 +46,12 @@ std::vector<std::string> gain_keys() {
 
 std::string set_fault(const Experiment& e, const rbd::Model& model, const Action& action) {
   if (action.target != "controller" && action.target != "planner")
-    return "'" + action.target + "' has nothing to set; the controller has " + list_of(gain_keys()) + ", the planner motion";
+    return "'" + action.target + "' has nothing to set; the controller has " + list_of(gain_keys()) +
+           ", the planner motion";
   if (e.processes.contains(action.target)) return "";  // somebody else's: it knows its own keys
   if (action.target == "planner") {
-    if (action.key != "motion" || action.text != "on") return "the planner has nothing to set but motion=on: back to its motion after a goal";
+    if (action.key != "motion" || action.text != "on")
+      return "the planner has nothing to set but motion=on: back to its motion after a goal";
     return floats(model) ? "'" + model.name + "' floats; it does not move" : "";
   }
   return gain_fault(model, action);
@@ -56,14 +62,17 @@ std::string set_fault(const Experiment& e, const rbd::Model& model, const Action
 std::string push_fault(const rbd::Model& model, const Action& action) {
   if (std::string fault = frame_fault(model, action.target); !fault.empty()) return fault;
   if (std::string fault = count_fault(action, 7); !fault.empty()) return fault + ": torque, force, seconds";
-  if (!(action.values[6] > 0 && action.values[6] <= 60)) return "push for " + number(action.values[6]) + " s, needed more than 0 and at most 60";
+  if (!(action.values[6] > 0 && action.values[6] <= 60))
+    return "push for " + number(action.values[6]) + " s, needed more than 0 and at most 60";
   return "";
 }
 
 std::string payload_fault(const rbd::Model& model, const Action& action) {
   if (std::string fault = frame_fault(model, action.target); !fault.empty()) return fault;
-  if (std::string fault = count_fault(action, 4); !fault.empty()) return fault + ": mass and its place in the frame";
-  if (!(action.values[0] >= 0 && action.values[0] <= 1e6)) return "payload of " + number(action.values[0]) + " kg, needed at least 0 and at most 1e+06";
+  if (std::string fault = count_fault(action, 4); !fault.empty())
+    return fault + ": mass and its place in the frame";
+  if (!(action.values[0] >= 0 && action.values[0] <= 1e6))
+    return "payload of " + number(action.values[0]) + " kg, needed at least 0 and at most 1e+06";
   return "";
 }
 
@@ -73,7 +82,8 @@ std::string gain_fault(const rbd::Model& model, const Action& action) {
     if (action.key == one.key) gain = &one;
   if (!gain) {
     const std::vector<std::string> keys = gain_keys();
-    return "the controller has no '" + action.key + "' to set" + did_you_mean(action.key, keys) + " (it has " + list_of(keys) + ")";
+    return "the controller has no '" + action.key + "' to set" + did_you_mean(action.key, keys) +
+           " (it has " + list_of(keys) + ")";
   }
   size_t joints = 0;
   for (const rbd::JointModel& joint : model.joints) joints += joint.nv() == 1;
@@ -82,7 +92,8 @@ std::string gain_fault(const rbd::Model& model, const Action& action) {
   if (gain->numbers == 0 && given != 1 && given != joints) return what + "1 or " + std::to_string(joints);
   if (gain->numbers > 0 && given != gain->numbers) return what + std::to_string(gain->numbers);
   for (double value : action.values)
-    if (!(value >= 0 && std::isfinite(value))) return action.key + " is " + number(value) + ", must be finite and at least 0";
+    if (!(value >= 0 && std::isfinite(value)))
+      return action.key + " is " + number(value) + ", must be finite and at least 0";
   return "";
 }
 

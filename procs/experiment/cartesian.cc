@@ -15,12 +15,15 @@ std::string target_fault(const rbd::Model& model, const Action& action) {
   if (const std::string fault = frame_fault(model, action.target); !fault.empty()) return fault;
   const std::vector<double>& x = action.values;
   if (x.size() != 3 && x.size() != 7)
-    return "goal of frame '" + action.target + "' has " + std::to_string(x.size()) + " values, needed 3 (position) or 7 (and a quaternion)";
+    return "goal of frame '" + action.target + "' has " + std::to_string(x.size()) +
+           " values, needed 3 (position) or 7 (and a quaternion)";
   for (size_t i = 0; i < 3; ++i)
-    if (!(std::abs(x[i]) <= 1e6)) return "goal of frame '" + action.target + "' is " + number(x[i]) + " m away";
+    if (!(std::abs(x[i]) <= 1e6))
+      return "goal of frame '" + action.target + "' is " + number(x[i]) + " m away";
   if (x.size() == 7) {
     const double length = Eigen::Vector4d(x[3], x[4], x[5], x[6]).norm();
-    if (!(std::abs(length - 1) <= 1e-6)) return "goal of frame '" + action.target + "' has a quaternion of length " + number(length);
+    if (!(std::abs(length - 1) <= 1e-6))
+      return "goal of frame '" + action.target + "' has a quaternion of length " + number(length);
   }
   return "";
 }
@@ -33,8 +36,10 @@ Found find_configuration(const rbd::Model& model, const Action& action, const Ei
   if (!found.fault.empty()) return found;
   const std::vector<double>& x = action.values;
   const Eigen::Vector3d position(x[0], x[1], x[2]);
-  rbd::FrameTarget target{model.frameId(action.target), rbd::SE3(Eigen::Matrix3d::Identity(), position), false};
-  if (x.size() == 7) target = {target.frame, rbd::SE3(Eigen::Quaterniond(x[6], x[3], x[4], x[5]), position), true};
+  rbd::FrameTarget target{model.frameId(action.target), rbd::SE3(Eigen::Matrix3d::Identity(), position),
+                          false};
+  if (x.size() == 7)
+    target = {target.frame, rbd::SE3(Eigen::Quaterniond(x[6], x[3], x[4], x[5]), position), true};
 
   rbd::IkScratch scratch(model);
   rbd::IkOptions options;

@@ -32,22 +32,28 @@ std::string warn(const Experiment& e, const std::string& key, const std::string&
 std::string percent(double share) { return number(std::round(1000 * share) / 10) + " %"; }
 
 /// What of the disturbances is not as it stands in the file.
-void check_disturbances(const Experiment& e, const simulator::Config& plant, std::vector<std::string>& warnings) {
+void check_disturbances(const Experiment& e, const simulator::Config& plant,
+                        std::vector<std::string>& warnings) {
   const double dt = e.simulator.dt;
-  if (const double delay = static_cast<double>(plant.sensors.delay) * dt; std::abs(delay - e.simulator.delay) > 1e-9 * dt)
-    warnings.push_back(warn(e, "simulator.delay", "is not a whole number of steps; the delay is " + number(delay) + " s"));
+  if (const double delay = static_cast<double>(plant.sensors.delay) * dt;
+      std::abs(delay - e.simulator.delay) > 1e-9 * dt)
+    warnings.push_back(
+        warn(e, "simulator.delay", "is not a whole number of steps; the delay is " + number(delay) + " s"));
   const auto late = [&](const std::string& key, size_t i, double time) {
     if (std::llround(time / dt) >= e.last_step())
-      warnings.push_back(warn(e, key + "[" + std::to_string(i) + "].time", number(time) + " s is after the end of the run: it never comes"));
+      warnings.push_back(warn(e, key + "[" + std::to_string(i) + "].time",
+                              number(time) + " s is after the end of the run: it never comes"));
   };
-  for (size_t i = 0; i < e.simulator.pushes.size(); ++i) late("simulator.pushes", i, e.simulator.pushes[i].time);
-  for (size_t i = 0; i < e.simulator.payloads.size(); ++i) late("simulator.payloads", i, e.simulator.payloads[i].time);
+  for (size_t i = 0; i < e.simulator.pushes.size(); ++i)
+    late("simulator.pushes", i, e.simulator.pushes[i].time);
+  for (size_t i = 0; i < e.simulator.payloads.size(); ++i)
+    late("simulator.payloads", i, e.simulator.payloads[i].time);
 }
 
 /// The loop around one reference, whatever the law: how the joint accelerations of the robot change with q and v, by
 /// central differences of the controller's step. Errors of its own model are in it.
-double loop_ratio(const rbd::Model& model, rbd::Data& data, const controller::Config& control, const Reference& wanted,
-                  double h) {
+double loop_ratio(const rbd::Model& model, rbd::Data& data, const controller::Config& control,
+                  const Reference& wanted, double h) {
   constexpr double kStep = 1e-6;  // rad, m; error of the slopes about 1e-9 of them
   controller::Config config = control;
   config.limit_effort = false;  // a command at its limit has no slope, until it is back
@@ -77,7 +83,8 @@ std::vector<Eigen::VectorXd> planned_poses(const Experiment& e, const rbd::Model
   planner::State state = planner::initial(plan);
   std::vector<Eigen::VectorXd> poses;
   for (int i = 0; i < count; ++i)
-    poses.push_back(planner::step(plan, state, {.step = e.last_step() * i / std::max(count - 1, 1)}).reference.q);
+    poses.push_back(
+        planner::step(plan, state, {.step = e.last_step() * i / std::max(count - 1, 1)}).reference.q);
   return poses;
 }
 
@@ -127,7 +134,8 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.nv),
                         drag = plant.damping + plant.friction / kSlipSpeed;  // slope at v = 0
   Eigen::VectorXd stop_stiffness = none, stop_damping = none;
-  for (const simulator::SoftStop& stop : plant.disturbances.stops) stop_stiffness[stop.v] = stop.stiffness, stop_damping[stop.v] = stop.damping;
+  for (const simulator::SoftStop& stop : plant.disturbances.stops)
+    stop_stiffness[stop.v] = stop.stiffness, stop_damping[stop.v] = stop.damping;
   const bool euler = plant.integrator == simulator::Integrator::SemiImplicitEuler;
   const double h = e.simulator.dt * static_cast<double>(e.controller.every);
   const auto note = [](Worst& worst, double ratio, double time) {
@@ -140,15 +148,20 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
     const Eigen::MatrixXd Minv = rbd::computeMinverse(model, data, wanted.q);
     if (ours) note(loop, loop_ratio(model, data, control, wanted, h), time);
     if (euler) note(friction, stability_ratio(Minv, none, drag, e.simulator.dt), time);
-    if (!plant.disturbances.stops.empty()) note(stops, stability_ratio(Minv, stop_stiffness, stop_damping, e.simulator.dt), time);
+    if (!plant.disturbances.stops.empty())
+      note(stops, stability_ratio(Minv, stop_stiffness, stop_damping, e.simulator.dt), time);
   }
   for (int i = 0; i < model.nv; ++i)
     if (plan.v_peak[i] > model.upperVelocityLimit[i] * (1 + 1e-9))
       warnings.push_back(warn(e, "planner.kind",
-                              "joint '" + joint_at(model, i) + "' shall move at " + planner::rounded(plan.v_peak[i]) +
-                                  ", its limit is " + number(model.upperVelocityLimit[i]) + "; " + plan.kind->cure));
-  if (const double end = static_cast<double>(e.last_step()) * e.simulator.dt; plan.own_time && plan.duration > end)
-    warnings.push_back(warn(e, "simulator.duration", "the motion takes " + planner::rounded(plan.duration) + " s, and the run ends at " + number(end) + " s"));
+                              "joint '" + joint_at(model, i) + "' shall move at " +
+                                  planner::rounded(plan.v_peak[i]) + ", its limit is " +
+                                  number(model.upperVelocityLimit[i]) + "; " + plan.kind->cure));
+  if (const double end = static_cast<double>(e.last_step()) * e.simulator.dt;
+      plan.own_time && plan.duration > end)
+    warnings.push_back(warn(e, "simulator.duration",
+                            "the motion takes " + planner::rounded(plan.duration) +
+                                " s, and the run ends at " + number(end) + " s"));
   const auto judge = [&](const Worst& worst, const std::string& key, const std::string& what,
                          const std::string& cure) {
     if (worst.ratio > 0.5)
@@ -160,7 +173,8 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   judge(loop, "controller.kd", "the gains are", "lower them, shorten dt or give the joints armature");
   judge(friction, "simulator.damping", "damping and friction are",
         "lower them, shorten dt or take integrator rk4");
-  judge(stops, "simulator.limit_repulsion.stiffness", "the soft stops are", "lower stiffness and damping, shorten dt or give the joints armature");
+  judge(stops, "simulator.limit_repulsion.stiffness", "the soft stops are",
+        "lower stiffness and damping, shorten dt or give the joints armature");
   return warnings;
 }
 

@@ -52,7 +52,9 @@ void put_tracking(json& out, const Run& run, const Tracking& tracking) {
   put(out, "rms_error", error.rms());
   put(out, "final_error", final_error);
   put(out, "handbook_error", tracking.handbook);
-  out["handbook_grade"] = tracking.handbook < 0.01 ? "excellent" : tracking.handbook < 0.05 ? "good" : "needs_tuning";
+  out["handbook_grade"] = tracking.handbook < 0.01   ? "excellent"
+                          : tracking.handbook < 0.05 ? "good"
+                                                     : "needs_tuning";
   put(out, "settling_time", settling);
   put(out, "max_effort", effort.max);
   put(out, "rms_effort", effort.count ? effort.rms() : 0);

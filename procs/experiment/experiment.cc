@@ -12,8 +12,8 @@ int64_t Experiment::last_step() const { return std::llround(simulator.duration /
 bool Experiment::operator==(const Experiment& o) const {
   return name == o.name && seed == o.seed && ready == o.ready && deadline == o.deadline && robot == o.robot &&
          simulator == o.simulator && planner == o.planner && controller == o.controller &&
-         logger == o.logger && renderer == o.renderer && faults == o.faults && safety == o.safety && evaluation == o.evaluation && processes == o.processes &&
-         expect == o.expect;
+         logger == o.logger && renderer == o.renderer && faults == o.faults && safety == o.safety &&
+         evaluation == o.evaluation && processes == o.processes && expect == o.expect;
 }
 
 void fail(const Experiment& experiment, const std::string& key, const std::string& message) {

@@ -38,9 +38,9 @@ struct Bound {
 
 /// A wrench on a frame for a while: world axes, about the frame's origin.
 struct PlannedPush {
-  double time = 0, duration = 0;              ///< s
+  double time = 0, duration = 0;  ///< s
   std::string frame;
-  std::array<double, 3> force{}, torque{};    ///< N, Nm
+  std::array<double, 3> force{}, torque{};  ///< N, Nm
   bool operator==(const PlannedPush&) const = default;
 };
 
@@ -48,8 +48,8 @@ struct PlannedPush {
 struct PlannedPayload {
   double time = 0;  ///< s
   std::string frame;
-  double mass = 0;               ///< kg
-  std::array<double, 3> com{};   ///< m, in the frame's axes
+  double mass = 0;              ///< kg
+  std::array<double, 3> com{};  ///< m, in the frame's axes
   bool operator==(const PlannedPayload&) const = default;
 };
 
@@ -107,19 +107,19 @@ struct Experiment {
     JointValues amplitude;  ///< rad, m
     JointValues frequency;  ///< rad/s; 1 + 0.3 i
     JointValues phase;      ///< rad
-    std::vector<JointValues> targets;  ///< rad, m: of point_to_point, waypoints
-    std::vector<double> times;  ///< s, rising: of waypoints; none = the shortest
-    double dwell = 0.5;     ///< s of rest at each target
-    bool cycle = true;      ///< from the last target back to the first
-    double speed = 0.5;     ///< share of the joints' speed limits
-    JointValues acceleration;  ///< rad/s2, m/s2; no bound
-    std::string frame;      ///< of line, circle
+    std::vector<JointValues> targets;             ///< rad, m: of point_to_point, waypoints
+    std::vector<double> times;                    ///< s, rising: of waypoints; none = the shortest
+    double dwell = 0.5;                           ///< s of rest at each target
+    bool cycle = true;                            ///< from the last target back to the first
+    double speed = 0.5;                           ///< share of the joints' speed limits
+    JointValues acceleration;                     ///< rad/s2, m/s2; no bound
+    std::string frame;                            ///< of line, circle
     std::optional<std::array<double, 3>> to;      ///< m: where a line ends
     std::optional<std::array<double, 3>> center;  ///< m: a point of a circle's axis
     std::array<double, 3> normal{0, 0, 1};        ///< along that axis
     double turns = 1;
     bool keep_orientation = false;  ///< of the frame on a line, circle
-    int64_t lead = 4;       ///< steps that references run ahead
+    int64_t lead = 4;               ///< steps that references run ahead
     bool operator==(const Planner&) const = default;
   } planner;
 
@@ -132,10 +132,10 @@ struct Experiment {
     double com_gain = 0;                ///< 1/s: com_velocity, on the error of the centre of mass
     int64_t every = 1;                  ///< steps between commands
     bool limit_effort = false;
-    struct OwnModel {  ///< what the controller believes
-      double mass_scale = 1;                                  ///< every mass and inertia times this
+    struct OwnModel {                                          ///< what the controller believes
+      double mass_scale = 1;                                   ///< every mass and inertia times this
       std::map<std::string, std::array<double, 3>> com_shift;  ///< body: m, in its axes
-      std::vector<std::string> without;                       ///< bodies that it does not know
+      std::vector<std::string> without;                        ///< bodies that it does not know
       bool operator==(const OwnModel&) const = default;
     } model;
     bool operator==(const Controller&) const = default;
@@ -155,9 +155,9 @@ struct Experiment {
     double orbit = 0;           ///< rad/s: the camera goes round
     std::string follow;         ///< frame that the camera goes along with
     std::string quality = "live";
-    int64_t ghost = 0;          ///< poses in ghost.png; 0 = no such picture
-    std::string trace;          ///< frame whose way is drawn
-    bool reference = false;     ///< what is wanted is drawn too
+    int64_t ghost = 0;       ///< poses in ghost.png; 0 = no such picture
+    std::string trace;       ///< frame whose way is drawn
+    bool reference = false;  ///< what is wanted is drawn too
     bool operator==(const Renderer&) const = default;
   } renderer;
 
@@ -167,9 +167,9 @@ struct Experiment {
   } faults;
 
   struct Safety {
-    double timeout = 0.02;          ///< s: an older command is stale (real time)
-    std::string hold = "gravity";   ///< or damping: what the robot does while nobody may drive it
-    std::string rearm = "auto";     ///< or manual
+    double timeout = 0.02;         ///< s: an older command is stale (real time)
+    std::string hold = "gravity";  ///< or damping: what the robot does while nobody may drive it
+    std::string rearm = "auto";    ///< or manual
     bool operator==(const Safety&) const = default;
   } safety;
 

@@ -88,7 +88,9 @@ class Writer {
   std::string text(const std::map<std::string, std::string>& values) const { return map(values); }
   std::string text(const std::map<std::string, double>& values) const { return map(values); }
   std::string text(const std::map<std::string, std::array<double, 3>>& values) const { return map(values); }
-  std::string text(const std::vector<std::string>& values) const { return values.empty() ? "" : list(values); }
+  std::string text(const std::vector<std::string>& values) const {
+    return values.empty() ? "" : list(values);
+  }
   std::string text(const std::map<std::string, Bound>& values) const { return map(values); }
   std::string text(const Bound& bound) const {
     std::map<std::string, double> sides;
@@ -99,7 +101,9 @@ class Writer {
   template <HasParts T>
   std::string text(const T& item) const {
     std::string all;
-    for_each_part(item, [&](const Key& part, const auto& member) { all += (all.empty() ? "" : ", ") + std::string(part.name) + ": " + text(member); });
+    for_each_part(item, [&](const Key& part, const auto& member) {
+      all += (all.empty() ? "" : ", ") + std::string(part.name) + ": " + text(member);
+    });
     return "{" + all + "}";
   }
   template <HasParts T>
@@ -111,7 +115,9 @@ class Writer {
     return value ? text(*value) : "";
   }
   std::string text(const std::vector<double>& values) const { return values.empty() ? "" : list(values); }
-  std::string text(const std::vector<JointValues>& values) const { return values.empty() ? "" : list(values); }
+  std::string text(const std::vector<JointValues>& values) const {
+    return values.empty() ? "" : list(values);
+  }
   std::string text(const JointValues& values) const {
     if (const auto* one = std::get_if<double>(&values.value)) return text(*one);
     if (const auto* some = std::get_if<std::vector<double>>(&values.value)) return list(*some);
@@ -134,7 +140,8 @@ std::string resolve(const Experiment& experiment) {
 std::vector<std::pair<std::string, std::string>> key_values(const Experiment& experiment) {
   const Writer writer(false);
   std::vector<std::pair<std::string, std::string>> all;
-  for_each_key(experiment, [&](const Key& key, const auto& member) { all.emplace_back(key.name, writer.value(member)); });
+  for_each_key(experiment,
+               [&](const Key& key, const auto& member) { all.emplace_back(key.name, writer.value(member)); });
   return all;
 }
 

@@ -54,7 +54,8 @@ class Document {
       if (line.substr(0, line.find_first_not_of(" \t")).find('\t') != std::string::npos)
         return file_ + ":" + std::to_string(n + 1) + ": not YAML: begins with a tab; indent with spaces";
     const bool map = e.msg.find("map value") != std::string::npos;
-    return at_line(e.mark) + ": not YAML: " + e.msg + (map ? "; is it indented like the lines around it?" : "");
+    return at_line(e.mark) + ": not YAML: " + e.msg +
+           (map ? "; is it indented like the lines around it?" : "");
   }
 
   void override_with(const Override& one) {
@@ -77,8 +78,7 @@ class Document {
     for (; std::getline(parts, next, '.'); part = next) {
       YAML::Node below = at[part];
       if (!below.IsDefined() || below.IsNull()) below = YAML::Node(YAML::NodeType::Map), at[part] = below;
-      if (!below.IsMap())
-        throw ExperimentError(head + path + ": '" + part + "' is not a map in " + file_);
+      if (!below.IsMap()) throw ExperimentError(head + path + ": '" + part + "' is not a map in " + file_);
       at.reset(below);
     }
     at[part] = value;
@@ -88,8 +88,10 @@ class Document {
   /// Where the value of `path` comes from: the text, or an override of it or of a part of it.
   std::string origin(const std::string& path, const std::string& in_text) const {
     const auto after = set_.lower_bound(path);
-    if (after != set_.end() && (after->first == path || after->first.starts_with(path + "."))) return after->second;
-    for (size_t dot = path.find_last_of(".["); dot != std::string::npos && dot > 0; dot = path.find_last_of(".[", dot - 1))
+    if (after != set_.end() && (after->first == path || after->first.starts_with(path + ".")))
+      return after->second;
+    for (size_t dot = path.find_last_of(".["); dot != std::string::npos && dot > 0;
+         dot = path.find_last_of(".[", dot - 1))
       if (const auto whole = set_.find(path.substr(0, dot)); whole != set_.end()) return whole->second;
     return in_text;
   }
@@ -133,7 +135,8 @@ class Document {
   }
 
   void unknown(const YAML::Node& node, const std::string& path, const std::string& place) {
-    if (node.IsMap() && node.size() > 0) {  // a misspelt section; if it is like none, what stands in it gives a better guess
+    if (node.IsMap() &&
+        node.size() > 0) {  // a misspelt section; if it is like none, what stands in it gives a better guess
       if (const std::string near = did_you_mean(path, sections()); !near.empty()) {
         faults.push_back(place + ": unknown section '" + path + "'" + near);
         return;
@@ -147,7 +150,8 @@ class Document {
   std::vector<std::string> sections() const {
     std::set<std::string> all;
     for (const std::string& key : keys_)
-      for (size_t dot = key.find('.'); dot != std::string::npos; dot = key.find('.', dot + 1)) all.insert(key.substr(0, dot));
+      for (size_t dot = key.find('.'); dot != std::string::npos; dot = key.find('.', dot + 1))
+        all.insert(key.substr(0, dot));
     return {all.begin(), all.end()};
   }
 
@@ -173,7 +177,8 @@ Experiment parse_experiment(const std::string& text, const std::string& file,
   return parse_experiment(text, file, std::span<const Override>(all));
 }
 
-Experiment parse_experiment(const std::string& text, const std::string& file, std::span<const Override> overrides) {
+Experiment parse_experiment(const std::string& text, const std::string& file,
+                            std::span<const Override> overrides) {
   Document document(text, file, overrides);
   Experiment experiment;
   experiment.file = file;

@@ -22,7 +22,8 @@ struct Override {
   std::string text;
   std::string place = "--set";
 };
-Experiment parse_experiment(const std::string& text, const std::string& file, std::span<const Override> overrides);
+Experiment parse_experiment(const std::string& text, const std::string& file,
+                            std::span<const Override> overrides);
 
 /// The same from a file; a missing one is an ExperimentError too.
 Experiment load_experiment(const std::string& file, const std::vector<std::string>& overrides = {});

@@ -49,7 +49,8 @@ void spread(const Experiment& e, const std::string& key, const JointValues& valu
     }
   } else if (const auto* named = std::get_if<JointValues::Named>(&values.value)) {
     for (const auto& [name, value] : *named) {
-      if (const std::string fault = joint_fault(model, name); !fault.empty()) fail(e, key + "." + name, fault);
+      if (const std::string fault = joint_fault(model, name); !fault.empty())
+        fail(e, key + "." + name, fault);
       put(model.getJointId(name), value);
     }
   }
@@ -84,8 +85,8 @@ Eigen::VectorXd configuration(const Experiment& e, const std::string& key, const
       length = std::sqrt(length);
       if (!(std::abs(length - 1) < 1e-6))
         fail(e, key,
-             std::string("the ") + unit.name + " of joint '" + model.names[j] + "' has length " + number(length) +
-                 "; it must be 1");
+             std::string("the ") + unit.name + " of joint '" + model.names[j] + "' has length " +
+                 number(length) + "; it must be 1");
       for (int i = unit.at; i < unit.at + unit.size; ++i) q[i] /= length;
     }
     if (model.joints[j].nq() != 1) continue;
@@ -125,14 +126,17 @@ std::string no_frame(const rbd::Model& model, const std::string& name) {
 }
 }  // namespace
 
-rbd::FrameIndex named_frame(const Experiment& experiment, const std::string& key, const std::string& name, const rbd::Model& model) {
+rbd::FrameIndex named_frame(const Experiment& experiment, const std::string& key, const std::string& name,
+                            const rbd::Model& model) {
   if (!model.existFrame(name)) fail(experiment, key, no_frame(model, name));
   return model.frameId(name);
 }
 
 std::string frame_fault(const rbd::Model& model, const std::string& name) {
   if (!model.existFrame(name)) return no_frame(model, name);
-  return model.frames[model.frameId(name)].parentJoint > 0 ? "" : "frame '" + name + "' stands on the ground; name one that moves";
+  return model.frames[model.frameId(name)].parentJoint > 0
+             ? ""
+             : "frame '" + name + "' stands on the ground; name one that moves";
 }
 
 const std::string& joint_at(const rbd::Model& model, int i) {
@@ -142,16 +146,19 @@ const std::string& joint_at(const rbd::Model& model, int i) {
   return model.names[0];
 }
 
-void cut_effort(const rbd::Model& model, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut, std::vector<Event>& events) {
+void cut_effort(const rbd::Model& model, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut,
+                std::vector<Event>& events) {
   for (int j = 1; j < model.njoints; ++j) {
     const rbd::JointModel& joint = model.joints[j];
     const bool driven = joint.nv() == 1;
     for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i) {
-      const double lower = driven ? model.lowerEffortLimit[i] : 0, upper = driven ? model.upperEffortLimit[i] : 0, wanted = tau[i];
+      const double lower = driven ? model.lowerEffortLimit[i] : 0,
+                   upper = driven ? model.upperEffortLimit[i] : 0, wanted = tau[i];
       const bool outside = wanted < lower || wanted > upper;
       tau[i] = std::clamp(wanted, lower, upper);
       if (outside && !cut[i])
-        events.push_back({driven ? what : "base_effort_ignored", model.names[j], "value " + number(wanted) + ", bound " + number(tau[i])});
+        events.push_back({driven ? what : "base_effort_ignored", model.names[j],
+                          "value " + number(wanted) + ", bound " + number(tau[i])});
       cut[i] = outside;
     }
   }

@@ -31,7 +31,8 @@ Eigen::VectorXd configuration(const Experiment&, const std::string& key, const J
 std::string joint_fault(const rbd::Model&, const std::string& name);
 
 /// The frame that a key names. Throws ExperimentError with near names if there is none.
-rbd::FrameIndex named_frame(const Experiment&, const std::string& key, const std::string& name, const rbd::Model&);
+rbd::FrameIndex named_frame(const Experiment&, const std::string& key, const std::string& name,
+                            const rbd::Model&);
 
 /// Why a frame cannot be pushed, loaded or led somewhere: it does not exist, or stands on the ground. "" if it can.
 std::string frame_fault(const rbd::Model&, const std::string& name);
@@ -41,7 +42,8 @@ const std::string& joint_at(const rbd::Model&, int i);
 
 /// Keeps tau (nv) within the joints' effort limits, a floating base at 0: nothing drives it. `cut` (nv) says where it was
 /// outside; where that begins there is an event `what` (of a base: "base_effort_ignored").
-void cut_effort(const rbd::Model&, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut, std::vector<Event>&);
+void cut_effort(const rbd::Model&, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut,
+                std::vector<Event>&);
 
 /// True if some joint has more than one degree of freedom: the base floats.
 bool floats(const rbd::Model&);

@@ -109,12 +109,12 @@ void print_metrics(const json& all) {
               << all["handbook_grade"].get<std::string>() << "), energy drift " << cell(all["energy_drift"])
               << " J\n";
   if (all.contains("tool_frame") && all["tool_frame"].is_string())
-    std::cout << "tool " << all["tool_frame"].get<std::string>() << " within " << cell(all["max_tool_error"]) << " m and "
-              << cell(all["max_tool_turn"]) << " rad of its reference\n";
+    std::cout << "tool " << all["tool_frame"].get<std::string>() << " within " << cell(all["max_tool_error"])
+              << " m and " << cell(all["max_tool_turn"]) << " rad of its reference\n";
   if (!all["reaches"].empty())
-    std::cout << all["reaches"].size() << (all["reaches"].size() == 1 ? " reach" : " reaches") << ": settled after at most "
-              << cell(all["reach_settling_max"]) << " s, overshoot " << cell(all["overshoot_max"]) << ", error left "
-              << cell(all["steady_error_max"]) << "\n";
+    std::cout << all["reaches"].size() << (all["reaches"].size() == 1 ? " reach" : " reaches")
+              << ": settled after at most " << cell(all["reach_settling_max"]) << " s, overshoot "
+              << cell(all["overshoot_max"]) << ", error left " << cell(all["steady_error_max"]) << "\n";
   for (const json& verdict : all["verdicts"]) {
     std::cout << (verdict["ok"].get<bool>() ? "ok      " : "FAILED  ") << verdict["metric"].get<std::string>()
               << " " << cell(verdict["value"]);
@@ -213,8 +213,8 @@ int run(int argc, char** argv) {
   manifest->add_option("--wall", o.launch.wall_seconds, "seconds the run took");
   manifest->footer("example: lab-experiment manifest runs/latest --exit simulator=0 --wall 3.2");
 
-  CLI::App* report =
-      app.add_subcommand("report", "Writes RUN/report.html of each run: one page, plots and all; prints its path.");
+  CLI::App* report = app.add_subcommand(
+      "report", "Writes RUN/report.html of each run: one page, plots and all; prints its path.");
   report->add_option("runs", o.files, "folders of runs")->required();
   report->footer("example: lab-experiment report runs/latest");
 

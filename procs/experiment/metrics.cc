@@ -29,7 +29,8 @@ const std::vector<Metric>& metrics() {
       {"rms_tool_turn", "rad", "its root mean square over the steps", false},
       {"reach_count", "", "times that the reference came to rest at a new place", false, kNeither},
       {"reach_settling_max", "s",
-       "longest time from the reference's arrival until the joint stays within the band; null if one does not",
+       "longest time from the reference's arrival until the joint stays within the band; null if one does "
+       "not",
        true},
       {"reach_settling_mean", "s", "its mean over the reaches, of the slowest joint each", true},
       {"overshoot_max", "rad, m", "farthest beyond the target, of joints whose way is longer than the band",
@@ -78,7 +79,8 @@ void check_evaluation(const Experiment& e, const rbd::Model& model) {
   if (frame.empty() || model.existFrame(frame)) return;
   std::vector<std::string> names;
   for (const rbd::Frame& one : model.frames) names.push_back(one.name);
-  fail(e, "evaluation.frame", "'" + model.name + "' has no frame '" + frame + "'" + did_you_mean(frame, names));
+  fail(e, "evaluation.frame",
+       "'" + model.name + "' has no frame '" + frame + "'" + did_you_mean(frame, names));
 }
 
 json value_of(const json& all, const std::string& metric) {

@@ -41,7 +41,9 @@ Reach::Joint judge(const Run& run, const Reach& reach, double way, const std::ve
   for (size_t i = beyond.size(); i-- > 0 && std::abs(beyond[i]) <= run.band;) inside_since = i;
   out.settling = inside_since == beyond.size()
                      ? NAN
-                     : static_cast<double>(run.states[reach.arrival + inside_since].step - run.states[reach.arrival].step) * run.dt;
+                     : static_cast<double>(run.states[reach.arrival + inside_since].step -
+                                           run.states[reach.arrival].step) *
+                           run.dt;
   if (std::abs(way) > run.band) {
     for (double b : beyond) out.overshoot = std::max(out.overshoot, way > 0 ? b : -b);
     out.overshoot_share = out.overshoot / std::abs(way);
@@ -81,7 +83,8 @@ std::vector<Reach> reaches(const Run& run) {
       for (size_t j = 0; j < joints.size(); ++j) beyond[j].push_back(e[joints[j].iv]);
     }
     from = k = --reach.end;
-    for (size_t j = 0; j < joints.size(); ++j) reach.joints.push_back(judge(run, reach, way[joints[j].iv], beyond[j]));
+    for (size_t j = 0; j < joints.size(); ++j)
+      reach.joints.push_back(judge(run, reach, way[joints[j].iv], beyond[j]));
     all.push_back(std::move(reach));
   }
   return all;
@@ -89,7 +92,9 @@ std::vector<Reach> reaches(const Run& run) {
 
 ReachFigures over_reaches(const std::vector<Reach>& all, int joint) {
   ReachFigures out{0, 0, NAN, NAN, 0};
-  const auto larger = [](double a, double b) { return std::isnan(a) || b > a ? b : a; };  // a number, if there is one
+  const auto larger = [](double a, double b) {
+    return std::isnan(a) || b > a ? b : a;
+  };  // a number, if there is one
   for (const Reach& reach : all) {
     double slowest = 0;  // NaN: one does not settle
     for (size_t j = 0; j < reach.joints.size(); ++j) {
@@ -100,7 +105,8 @@ ReachFigures over_reaches(const std::vector<Reach>& all, int joint) {
       out.overshoot_share_max = larger(out.overshoot_share_max, one.overshoot_share);
       out.steady_error_max = std::max(out.steady_error_max, one.steady_error);
     }
-    out.settling_max = std::isnan(out.settling_max) || std::isnan(slowest) ? NAN : std::max(out.settling_max, slowest);
+    out.settling_max =
+        std::isnan(out.settling_max) || std::isnan(slowest) ? NAN : std::max(out.settling_max, slowest);
     out.settling_mean += slowest / static_cast<double>(all.size());
   }
   if (all.empty()) out.settling_max = out.settling_mean = out.steady_error_max = NAN;

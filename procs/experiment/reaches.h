@@ -13,9 +13,10 @@ struct Reach {
   size_t end = 0;      ///< of the last before it moves again, or of the run
 
   struct Joint {
-    double way = 0;              ///< rad, m: from the place before to the target
-    double settling = 0;         ///< s from arrival until the joint stays in the band up to the end; NaN if never
-    double overshoot = 0;        ///< rad, m: farthest beyond the target from arrival on; NaN if the way is no longer than the band
+    double way = 0;       ///< rad, m: from the place before to the target
+    double settling = 0;  ///< s from arrival until the joint stays in the band up to the end; NaN if never
+    double overshoot =
+        0;  ///< rad, m: farthest beyond the target from arrival on; NaN if the way is no longer than the band
     double overshoot_share = 0;  ///< of the way
     double steady_error = 0;     ///< rad, m: |mean error| over the last tenth of the rest
   };

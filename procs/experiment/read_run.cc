@@ -20,14 +20,16 @@ namespace lab {
 namespace {
 
 /// The commands by the step that they led to. One is new where command_step of the state that it led to is.
-std::map<int64_t, Command> by_step_led_to(const std::map<int64_t, int64_t>& command_steps, const std::map<int64_t, Command>& commands) {
+std::map<int64_t, Command> by_step_led_to(const std::map<int64_t, int64_t>& command_steps,
+                                          const std::map<int64_t, Command>& commands) {
   std::map<int64_t, Command> out;
   int64_t last = -1;
   for (const auto& [step, command_step] : command_steps) {
     if (command_step == last) continue;
     const auto command = commands.find(command_step);
     if (command == commands.end())
-      throw std::runtime_error("COMMAND " + std::to_string(command_step) + ", which led to step " + std::to_string(step) + ", is not in the log");
+      throw std::runtime_error("COMMAND " + std::to_string(command_step) + ", which led to step " +
+                               std::to_string(step) + ", is not in the log");
     out[step] = command->second;
     last = command_step;
   }

@@ -43,14 +43,15 @@ Tracking track(const Run& run) {
       else if (joint.settled_since < 0)
         joint.settled_since = state.step;
       joint.speed.add(v);
-      joint.speed_share =
-          std::max(joint.speed_share, share(v, model.lowerVelocityLimit[joint.iv], model.upperVelocityLimit[joint.iv]));
-      joint.margin = std::min({joint.margin, q - model.lowerPositionLimit[joint.iq], model.upperPositionLimit[joint.iq] - q});
+      joint.speed_share = std::max(joint.speed_share, share(v, model.lowerVelocityLimit[joint.iv],
+                                                            model.upperVelocityLimit[joint.iv]));
+      joint.margin = std::min(
+          {joint.margin, q - model.lowerPositionLimit[joint.iq], model.upperPositionLimit[joint.iq] - q});
       if (k == 0) continue;  // nothing acted before step 0
       const double tau = state.tau[joint.iv];
       joint.effort.add(tau);
-      joint.effort_share =
-          std::max(joint.effort_share, share(tau, model.lowerEffortLimit[joint.iv], model.upperEffortLimit[joint.iv]));
+      joint.effort_share = std::max(
+          joint.effort_share, share(tau, model.lowerEffortLimit[joint.iv], model.upperEffortLimit[joint.iv]));
     }
     out.handbook += std::sqrt(squares) / model.nq;
   }

@@ -14,7 +14,7 @@ struct JointFigures {
   Figures error, effort, speed;
   double effort_share = 0, speed_share = 0;  ///< of the limit; 0 where there is none
   double margin = 0;                         ///< from the nearer position limit; infinite where there is none
-  int64_t settled_since = -1;                ///< step from which the error stayed in the band; -1 = it did not
+  int64_t settled_since = -1;  ///< step from which the error stayed in the band; -1 = it did not
 };
 
 struct Tracking {

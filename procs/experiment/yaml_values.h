@@ -53,7 +53,9 @@ inline double bounded(double value, const Key& key) {
   return value;
 }
 
-inline void read(const YAML::Node& node, const Key& key, double& value) { value = bounded(to_number(node), key); }
+inline void read(const YAML::Node& node, const Key& key, double& value) {
+  value = bounded(to_number(node), key);
+}
 
 inline void read(const YAML::Node& node, const Key& key, int64_t& value) {
   const std::string text = node.IsScalar() ? node.Scalar() : "";
@@ -109,13 +111,18 @@ void read_list(const YAML::Node& node, const Key& key, const std::string& what, 
   }
 }
 
-inline void read(const YAML::Node& node, const Key& key, std::vector<double>& value) { read_list(node, key, "numbers", value); }
+inline void read(const YAML::Node& node, const Key& key, std::vector<double>& value) {
+  read_list(node, key, "numbers", value);
+}
 
-inline void read(const YAML::Node& node, const Key& key, std::vector<std::string>& value) { read_list(node, key, "names", value); }
+inline void read(const YAML::Node& node, const Key& key, std::vector<std::string>& value) {
+  read_list(node, key, "names", value);
+}
 
 /// A map from names to numbers or lists of numbers; `what`: "joint: number".
 template <class T>
-void read_named(const YAML::Node& node, const Key& key, const std::string& what, std::map<std::string, T>& value) {
+void read_named(const YAML::Node& node, const Key& key, const std::string& what,
+                std::map<std::string, T>& value) {
   if (!node.IsMap()) throw Fault{"must be a map " + what + ", not " + show(node)};
   for (const auto& item : node) {
     const std::string name = item.first.as<std::string>("");
@@ -133,7 +140,8 @@ inline void read(const YAML::Node& node, const Key& key, std::map<std::string, d
   read_named(node, key, "joint: number", value);
 }
 
-inline void read(const YAML::Node& node, const Key& key, std::map<std::string, std::array<double, 3>>& value) {
+inline void read(const YAML::Node& node, const Key& key,
+                 std::map<std::string, std::array<double, 3>>& value) {
   read_named(node, key, "body: [x, y, z]", value);
 }
 
@@ -149,7 +157,8 @@ inline void read(const YAML::Node& node, const Key& key, JointValues& value) {
 }
 
 inline void read(const YAML::Node& node, const Key& key, std::vector<JointValues>& value) {
-  if (!node.IsSequence() || node.size() == 0) throw Fault{"must be a list of configurations, not " + (node.IsSequence() ? "empty" : show(node))};
+  if (!node.IsSequence() || node.size() == 0)
+    throw Fault{"must be a list of configurations, not " + (node.IsSequence() ? "empty" : show(node))};
   for (const YAML::Node& item : node) {
     const std::string below = "[" + std::to_string(value.size()) + "]";
     try {
@@ -168,15 +177,18 @@ void read_item(const YAML::Node& node, T& value) {
   for_each_part(value, [&](const Key& part, auto&) { known.push_back(part.name); });
   if (!node.IsMap()) throw Fault{"must be a map with " + list_of(known) + ", not " + show(node)};
   for (const auto& part : node)
-    if (const auto name = part.first.as<std::string>(""); std::find(known.begin(), known.end(), name) == known.end()) {
+    if (const auto name = part.first.as<std::string>("");
+        std::find(known.begin(), known.end(), name) == known.end()) {
       const std::string near = did_you_mean(name, known);
       throw Fault{"is not known" + (near.empty() ? "; there are " + list_of(known) : near), "." + name};
     }
   for_each_part(value, [&](const Key& part, auto& member) {
     const YAML::Node given = node[part.name];
     try {
-      if (given) read(given, part, member);
-      else if (part.standard == std::string(kMustBeGiven)) throw Fault{"is missing"};
+      if (given)
+        read(given, part, member);
+      else if (part.standard == std::string(kMustBeGiven))
+        throw Fault{"is missing"};
     } catch (const Fault& fault) {
       throw Fault{fault.message, std::string(".") + part.name};
     }
@@ -211,7 +223,8 @@ inline void read(const YAML::Node& node, const Key&, std::map<std::string, std::
 }
 
 /// {max: x}, {min: x} or both; below that, names of joints: max_error: {max: 1, elbow: {max: 0.1}}.
-inline void read_bounds(const YAML::Node& node, const std::string& metric, std::map<std::string, Bound>& value) {
+inline void read_bounds(const YAML::Node& node, const std::string& metric,
+                        std::map<std::string, Bound>& value) {
   if (!node.IsMap() || node.size() == 0)
     throw Fault{"must be {max: x}, {min: x} or both, not " + show(node), "." + metric};
   for (const auto& side : node) {

@@ -62,11 +62,14 @@ void LogFiles::open(int64_t run, const std::function<void(Channel, std::span<con
   }
   LogReader reader(part);
   LogEvent event;
-  for (int64_t i = 0; i < whole->events && reader.next(event); ++i) visit(*channel_of(event.channel), event.data);
+  for (int64_t i = 0; i < whole->events && reader.next(event); ++i)
+    visit(*channel_of(event.channel), event.data);
   log_ = std::make_unique<LogWriter>(log_path_, whole->bytes, whole->events);
 }
 
-void LogFiles::append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) { log_->add(utime, row(channel).name, bytes); }
+void LogFiles::append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) {
+  log_->add(utime, row(channel).name, bytes);
+}
 
 void LogFiles::flush() { log_->flush(); }
 

@@ -17,19 +17,23 @@ constexpr int kFirst = 16, kFinest = 1024;  // pieces of a line, or per turn
 
 struct Curve {
   const char* name;
-  const char* key;  ///< of the experiment: where it leads
+  const char* key;                            ///< of the experiment: where it leads
   std::function<Eigen::Vector3d(double)> at;  ///< m, world, of the share 0..1 of the way
   double turns = 1;
 };
 
-std::string text(const Eigen::Vector3d& p) { return "(" + rounded(p[0]) + ", " + rounded(p[1]) + ", " + rounded(p[2]) + ")"; }
+std::string text(const Eigen::Vector3d& p) {
+  return "(" + rounded(p[0]) + ", " + rounded(p[1]) + ", " + rounded(p[2]) + ")";
+}
 
 Eigen::Vector3d vector(const std::array<double, 3>& x) { return {x[0], x[1], x[2]}; }
 
 /// Where the frame is, and looks, at q0.
 rbd::SE3 start(const Experiment& e, const rbd::Model& model, const Config& config) {
-  if (e.planner.frame.empty()) fail(e, "planner.frame", std::string("is missing; a ") + config.kind->name + " is the path of a frame");
-  if (const std::string fault = frame_fault(model, e.planner.frame); !fault.empty()) fail(e, "planner.frame", fault);
+  if (e.planner.frame.empty())
+    fail(e, "planner.frame", std::string("is missing; a ") + config.kind->name + " is the path of a frame");
+  if (const std::string fault = frame_fault(model, e.planner.frame); !fault.empty())
+    fail(e, "planner.frame", fault);
   rbd::Data data(model);
   rbd::forwardKinematics(model, data, config.q0);
   return data.oMf[model.frameId(e.planner.frame)];
@@ -56,7 +60,8 @@ class Follow {
       target_.pose = rbd::SE3(target_.pose.rotation(), curve_.at(s));
       Eigen::VectorXd q = points.back();
       const rbd::IkResult result = rbd::inverseKinematics(config_.model, scratch_, target_, options_, q);
-      if (!result) return "'" + frame_ + "' cannot be " + place(s) + ": " + rbd::describe(config_.model, result);
+      if (!result)
+        return "'" + frame_ + "' cannot be " + place(s) + ": " + rbd::describe(config_.model, result);
       knots.push_back(s);
       points.push_back(q);
     }
@@ -65,7 +70,9 @@ class Follow {
   }
 
  private:
-  std::string place(double s) const { return "at " + rounded(100 * s) + " % of the " + curve_.name + ", " + text(curve_.at(s)); }
+  std::string place(double s) const {
+    return "at " + rounded(100 * s) + " % of the " + curve_.name + ", " + text(curve_.at(s));
+  }
 
   /// Between the knots, where the error of the spline is largest: is the frame still on its path?
   std::string leaves(const Spline& path) {
@@ -77,9 +84,13 @@ class Follow {
         rbd::forwardKinematics(config_.model, scratch_.data, q);
         const rbd::SE3& pose = scratch_.data.oMf[target_.frame];
         const double off = (pose.translation() - curve_.at(s)).norm();
-        const double turned = target_.rotation ? rbd::log3(Eigen::Matrix3d(target_.pose.rotation() * pose.rotation().transpose())).norm() : 0;
+        const double turned =
+            target_.rotation
+                ? rbd::log3(Eigen::Matrix3d(target_.pose.rotation() * pose.rotation().transpose())).norm()
+                : 0;
         if (off <= kPathTolerance && turned <= kTurnTolerance) continue;
-        return "'" + frame_ + "' would be " + rounded(off) + " m" + (turned > kTurnTolerance ? " and " + rounded(turned) + " rad" : "") + " off " + place(s) +
+        return "'" + frame_ + "' would be " + rounded(off) + " m" +
+               (turned > kTurnTolerance ? " and " + rounded(turned) + " rad" : "") + " off " + place(s) +
                ": the joints cannot follow smoothly there (a singularity, or a joint's limit)";
       }
     return "";
@@ -111,16 +122,20 @@ void find_peaks(const Spline& path, Eigen::VectorXd& v, Eigen::VectorXd& a) {
   v *= 1.001, a *= 1.001;
 }
 
-void set_path(const Experiment& e, const rbd::Model& model, Config& config, const Curve& curve, const rbd::SE3& start) {
+void set_path(const Experiment& e, const rbd::Model& model, Config& config, const Curve& curve,
+              const rbd::SE3& start) {
   Follow follow(e, config, curve, start);
   const int turns = std::max(1, static_cast<int>(std::ceil(std::abs(curve.turns))));
   std::string fault = "?";
-  for (int pieces = kFirst; pieces <= kFinest && !fault.empty(); pieces *= 2) fault = follow.with(pieces * turns, config.path);
-  if (!fault.empty()) fail(e, curve.key, fault + "; start elsewhere (simulator.q0) or give the path another place");
+  for (int pieces = kFirst; pieces <= kFinest && !fault.empty(); pieces *= 2)
+    fault = follow.with(pieces * turns, config.path);
+  if (!fault.empty())
+    fail(e, curve.key, fault + "; start elsewhere (simulator.q0) or give the path another place");
   if (const Outside found = outside(config.path, config.q_min, config.q_max); found.joint >= 0)
     fail(e, curve.key,
-         "joint '" + joint_at(model, static_cast<int>(found.joint)) + "' would be at " + rounded(found.value) + " at " + rounded(100 * found.at) + " % of the " +
-             curve.name + "; its limit is " + number(found.limit) + "; start elsewhere (simulator.q0)");
+         "joint '" + joint_at(model, static_cast<int>(found.joint)) + "' would be at " +
+             rounded(found.value) + " at " + rounded(100 * found.at) + " % of the " + curve.name +
+             "; its limit is " + number(found.limit) + "; start elsewhere (simulator.q0)");
   Eigen::VectorXd a;
   find_peaks(config.path, config.v_peak, a);
   if (config.own_time) config.duration = shortest_time(config, config.v_peak, a);
@@ -135,21 +150,28 @@ void prepare_line(const Experiment& e, const rbd::Model& model, Config& config) 
   const rbd::SE3 from = start(e, model, config);
   if (!e.planner.to) fail(e, "planner.to", "is missing; a line needs the position where it ends, [x, y, z]");
   const Eigen::Vector3d a = from.translation(), way = vector(*e.planner.to) - a;
-  set_path(e, model, config, {"line", "planner.to", [a, way](double s) -> Eigen::Vector3d { return a + s * way; }}, from);
+  set_path(e, model, config,
+           {"line", "planner.to", [a, way](double s) -> Eigen::Vector3d { return a + s * way; }}, from);
 }
 
 void prepare_circle(const Experiment& e, const rbd::Model& model, Config& config) {
   const rbd::SE3 from = start(e, model, config);
-  if (!e.planner.center) fail(e, "planner.center", "is missing; a circle needs a point of its axis, [x, y, z]");
+  if (!e.planner.center)
+    fail(e, "planner.center", "is missing; a circle needs a point of its axis, [x, y, z]");
   const Eigen::Vector3d normal = vector(e.planner.normal);
-  if (!(normal.norm() > 1e-6)) fail(e, "planner.normal", "has length " + rounded(normal.norm()) + "; it must point somewhere");
+  if (!(normal.norm() > 1e-6))
+    fail(e, "planner.normal", "has length " + rounded(normal.norm()) + "; it must point somewhere");
   // the circle goes through the start, so that the axis only matters: its plane is where the start is
   const Eigen::Vector3d axis = normal.normalized(), off = from.translation() - vector(*e.planner.center);
   const Eigen::Vector3d x = off - axis * axis.dot(off), y = axis.cross(x), middle = from.translation() - x;
   if (!(x.norm() > 1e-3))
-    fail(e, "planner.center", "'" + e.planner.frame + "' starts at " + text(from.translation()) + ", " + rounded(x.norm()) + " m from the axis of its circle; move the one or the other");
+    fail(e, "planner.center",
+         "'" + e.planner.frame + "' starts at " + text(from.translation()) + ", " + rounded(x.norm()) +
+             " m from the axis of its circle; move the one or the other");
   const double angle = 2 * M_PI * e.planner.turns;
-  const auto at = [=](double s) -> Eigen::Vector3d { return middle + std::cos(s * angle) * x + std::sin(s * angle) * y; };
+  const auto at = [=](double s) -> Eigen::Vector3d {
+    return middle + std::cos(s * angle) * x + std::sin(s * angle) * y;
+  };
   set_path(e, model, config, {"circle", "planner.center", at, e.planner.turns}, from);
 }
 

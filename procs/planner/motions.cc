@@ -15,7 +15,8 @@ namespace lab::planner {
 namespace {
 
 /// q = from + s (to - from), with s and its derivatives.
-void along_the_line(const Eigen::VectorXd& from, const Eigen::VectorXd& to, const Progress& p, Reference& out) {
+void along_the_line(const Eigen::VectorXd& from, const Eigen::VectorXd& to, const Progress& p,
+                    Reference& out) {
   for (Eigen::Index i = 0; i < from.size(); ++i) {
     const double way = to[i] - from[i];
     out.q[i] = from[i] + p.s * way;
@@ -44,7 +45,9 @@ void set_reach(const Experiment& e, const rbd::Model& model, Config& config, dou
 }
 
 // s = 3 x^2 - 2 x^3: the acceleration jumps at both ends
-void prepare_cubic(const Experiment& e, const rbd::Model& model, Config& config) { set_reach(e, model, config, 1.5, 6); }
+void prepare_cubic(const Experiment& e, const rbd::Model& model, Config& config) {
+  set_reach(e, model, config, 1.5, 6);
+}
 
 void cubic(const Config& c, double t, Reference& out) {
   const double T = c.duration, x = t / T;
@@ -97,7 +100,8 @@ void prepare_cycle(const Experiment& e, const rbd::Model& model, Config& config)
   if (e.planner.targets.empty()) fail(e, "planner.targets", "is missing; point_to_point needs at least one");
   std::vector<Eigen::VectorXd> stops;
   for (const JointValues& target : e.planner.targets)
-    stops.push_back(configuration(e, "planner.targets[" + std::to_string(stops.size()) + "]", target, model, config.q0));
+    stops.push_back(
+        configuration(e, "planner.targets[" + std::to_string(stops.size()) + "]", target, model, config.q0));
   const size_t first = stops.size();
   if (e.planner.cycle && first > 1) stops.push_back(stops.front());  // and so round and round
   double start = 0;
@@ -105,7 +109,8 @@ void prepare_cycle(const Experiment& e, const rbd::Model& model, Config& config)
   for (const Eigen::VectorXd& stop : stops) {
     const double duration = at == stop ? 0 : shortest_way(config, at, stop);
     config.legs.push_back({start, duration, at, stop});
-    if (duration > 0) config.v_peak = config.v_peak.cwiseMax(kQuinticPeak / duration * (stop - at).cwiseAbs());
+    if (duration > 0)
+      config.v_peak = config.v_peak.cwiseMax(kQuinticPeak / duration * (stop - at).cwiseAbs());
     start += duration + e.planner.dwell;
     at = stop;
   }
@@ -117,7 +122,8 @@ void prepare_cycle(const Experiment& e, const rbd::Model& model, Config& config)
 /// The leg that time t falls into; brings t into the first round.
 const Config::Leg& leg_at(const Config& c, double& t) {
   if (c.round > 0 && t > c.first_round + c.round) t = c.first_round + std::fmod(t - c.first_round, c.round);
-  auto next = std::upper_bound(c.legs.begin(), c.legs.end(), t, [](double time, const Config::Leg& leg) { return time < leg.start; });
+  auto next = std::upper_bound(c.legs.begin(), c.legs.end(), t,
+                               [](double time, const Config::Leg& leg) { return time < leg.start; });
   return *(next == c.legs.begin() ? next : next - 1);
 }
 
@@ -129,8 +135,10 @@ void point_to_point(const Config& c, double t, Reference& out) {
 
 double next_arrival(const Config& c, double t) {
   const Config::Leg* leg = &leg_at(c, t);
-  if (t > leg->start + leg->duration && leg != &c.legs.back()) ++leg;
-  else if (t > leg->start + leg->duration && c.round > 0) leg = &c.legs[1];
+  if (t > leg->start + leg->duration && leg != &c.legs.back())
+    ++leg;
+  else if (t > leg->start + leg->duration && c.round > 0)
+    leg = &c.legs[1];
   return leg->start + leg->duration;
 }
 
@@ -143,9 +151,12 @@ constexpr Kind kKinds[] = {
     {"hold", "stays at q0", prepare_hold, hold, nullptr, ""},
     {"cubic", "from rest at q0 to rest at the goal", prepare_cubic, cubic, nullptr, kLonger},
     {"quintic", "the same, without a jump of the acceleration", prepare_quintic, quintic, nullptr, kLonger},
-    {"sinusoid", "every joint swings", prepare_sinusoid, sinusoid, nullptr, "lower planner.amplitude or planner.frequency"},
-    {"point_to_point", "from target to target, with a rest at each", prepare_cycle, point_to_point, next_arrival, ""},
-    {"waypoints", "through targets without a rest", prepare_waypoints, waypoints, next_waypoint, "give planner.times more time, or leave them out"},
+    {"sinusoid", "every joint swings", prepare_sinusoid, sinusoid, nullptr,
+     "lower planner.amplitude or planner.frequency"},
+    {"point_to_point", "from target to target, with a rest at each", prepare_cycle, point_to_point,
+     next_arrival, ""},
+    {"waypoints", "through targets without a rest", prepare_waypoints, waypoints, next_waypoint,
+     "give planner.times more time, or leave them out"},
     {"line", "a frame along a straight line", prepare_line, along_path, where_it_was, kLonger},
     {"circle", "a frame round an axis", prepare_circle, along_path, where_it_was, kLonger},
 };
@@ -165,7 +176,8 @@ std::span<const Kind> kinds() { return kKinds; }
 
 Progress quintic_progress(double t, double T) {
   const double x = t / T;
-  return {x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x) / T, 60 * x * (1 - x) * (1 - 2 * x) / (T * T)};
+  return {x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x) / T,
+          60 * x * (1 - x) * (1 - 2 * x) / (T * T)};
 }
 
 double shortest_time(const Config& c, const Eigen::VectorXd& speeds, const Eigen::VectorXd& accelerations) {
@@ -204,11 +216,16 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   config.model = model;
   config.q_min = model.lowerPositionLimit, config.q_max = model.upperPositionLimit;
   config.v_max.resize(model.nv);
-  for (int i = 0; i < model.nv; ++i) config.v_max[i] = std::isfinite(model.upperVelocityLimit[i]) && model.upperVelocityLimit[i] > 0 ? model.upperVelocityLimit[i] : 1;
-  config.a_max = joint_vector(e, "planner.acceleration", e.planner.acceleration, model, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < model.nv; ++i)
+    config.v_max[i] = std::isfinite(model.upperVelocityLimit[i]) && model.upperVelocityLimit[i] > 0
+                          ? model.upperVelocityLimit[i]
+                          : 1;
+  config.a_max = joint_vector(e, "planner.acceleration", e.planner.acceleration, model,
+                              std::numeric_limits<double>::infinity());
   config.v_peak = Eigen::VectorXd::Zero(model.nv);
   config.q0 = config.goal = configuration(e, "simulator.q0", e.simulator.q0, model, rbd::neutral(model));
-  if (floats(model) && config.kind->law != hold) fail(e, "planner.kind", "'" + model.name + "' floats; only hold is possible for now");
+  if (floats(model) && config.kind->law != hold)
+    fail(e, "planner.kind", "'" + model.name + "' floats; only hold is possible for now");
   config.kind->prepare(e, model, config);
   return config;
 }

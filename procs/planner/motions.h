@@ -35,18 +35,18 @@ std::span<const Kind> kinds();
 
 struct Config {
   const Kind* kind = nullptr;
-  double dt = 0;        ///< s
-  double duration = 0;  ///< s, of the way to the goal
+  double dt = 0;          ///< s
+  double duration = 0;    ///< s, of the way to the goal
   bool own_time = false;  ///< the planner has chosen how long the motion takes
-  double speed = 0.5;   ///< share of v_max that ways of our own choice use
+  double speed = 0.5;     ///< share of v_max that ways of our own choice use
   int nv = 0;
   bool floating = false;
-  rbd::Model model;     ///< for goals of frames
-  Eigen::VectorXd v_max;                                ///< nv: rad/s, m/s; 1 where the model has no limit
-  Eigen::VectorXd a_max;                                ///< nv: rad/s2, m/s2; infinite where there is no bound
-  Eigen::VectorXd v_peak;                               ///< nv: largest speed of the motion
-  Eigen::VectorXd q_min, q_max;                         ///< nq
-  Eigen::VectorXd q0, goal;                             ///< nq
+  rbd::Model model;              ///< for goals of frames
+  Eigen::VectorXd v_max;         ///< nv: rad/s, m/s; 1 where the model has no limit
+  Eigen::VectorXd a_max;         ///< nv: rad/s2, m/s2; infinite where there is no bound
+  Eigen::VectorXd v_peak;        ///< nv: largest speed of the motion
+  Eigen::VectorXd q_min, q_max;  ///< nq
+  Eigen::VectorXd q0, goal;      ///< nq
   Eigen::VectorXd offset, amplitude, frequency, phase;  ///< nv, of sinusoid
 
   /// point_to_point: a way from rest to rest, then a rest until the next one starts.
@@ -54,9 +54,10 @@ struct Config {
     double start, duration;    ///< s; 0 if there is no way to go
     Eigen::VectorXd from, to;  ///< nq
   };
-  std::vector<Leg> legs;                ///< the first from q0, then one to each target
-  double first_round = 0, round = 0;    ///< s: when the legs after the first begin, and begin anew; round 0 = once
-  Spline path;  ///< waypoints: by time; line, circle: by the share of the way
+  std::vector<Leg> legs;  ///< the first from q0, then one to each target
+  double first_round = 0,
+         round = 0;  ///< s: when the legs after the first begin, and begin anew; round 0 = once
+  Spline path;       ///< waypoints: by time; line, circle: by the share of the way
 };
 
 /// Throws ExperimentError: unknown kind, no goal or target, a motion beyond the joint limits, a path that the arm cannot
@@ -70,8 +71,9 @@ struct Progress {
   double s, rate, acceleration;  ///< and derivatives by time
 };
 Progress quintic_progress(double t, double T);
-inline constexpr double kQuinticPeak = 1.875;              // its largest speed, of way / duration
-inline constexpr double kQuinticPush = 5.773502691896258;  // its largest acceleration, of way / duration^2: 10 / sqrt(3)
+inline constexpr double kQuinticPeak = 1.875;  // its largest speed, of way / duration
+inline constexpr double kQuinticPush =
+    5.773502691896258;  // its largest acceleration, of way / duration^2: 10 / sqrt(3)
 
 /// s that a quintic from rest to rest takes without any joint beyond the share `speed` of its limit, or beyond a_max; at
 /// least kLeast.

@@ -44,7 +44,8 @@ void follow(const Config& c, const State& s, int64_t step, Reference& out) {
   if (run >= s.ramp) return;
   const double x = run / s.ramp, T = s.ramp;
   const double left = 1 - x * x * x * (10 + x * (6 * x - 15));
-  const double left_v = -30 * x * x * (1 - x) * (1 - x) / T, left_a = -60 * x * (1 - x) * (1 - 2 * x) / (T * T);
+  const double left_v = -30 * x * x * (1 - x) * (1 - x) / T,
+               left_a = -60 * x * (1 - x) * (1 - 2 * x) / (T * T);
   for (Eigen::Index i = 0; i < out.q.size(); ++i) {
     const double v = out.v[i];
     out.q[i] += left * s.offset[i];
@@ -73,7 +74,8 @@ Way way_between(const Reference& from, const Reference& to, double T) {
   way.T = T;
   for (auto& c : way.c) c.resize(from.q.size());
   for (Eigen::Index i = 0; i < from.q.size(); ++i) {
-    const double v = from.v[i] * T, a = from.a[i] * T * T, w = to.v[i] * T, b = to.a[i] * T * T, d = to.q[i] - from.q[i];
+    const double v = from.v[i] * T, a = from.a[i] * T * T, w = to.v[i] * T, b = to.a[i] * T * T,
+                 d = to.q[i] - from.q[i];
     way.c[0][i] = from.q[i], way.c[1][i] = from.v[i], way.c[2][i] = from.a[i] / 2;
     way.c[3][i] = (10 * d - 6 * v - 4 * w - 1.5 * a + 0.5 * b) / (T * T * T);
     way.c[4][i] = (-15 * d + 8 * v + 7 * w + 1.5 * a - b) / (T * T * T * T);
@@ -87,7 +89,9 @@ bool possible(const Config& c, const State& s, double share, Reference& scratch)
   for (int k = 0; k <= 100; ++k) {
     motion(c, s, s.way->T * k / 100, scratch);
     for (Eigen::Index i = 0; i < scratch.q.size(); ++i)
-      if (std::abs(scratch.v[i]) > share * c.v_max[i] * (1 + 1e-9) || scratch.q[i] < c.q_min[i] - 1e-9 || scratch.q[i] > c.q_max[i] + 1e-9) return false;
+      if (std::abs(scratch.v[i]) > share * c.v_max[i] * (1 + 1e-9) || scratch.q[i] < c.q_min[i] - 1e-9 ||
+          scratch.q[i] > c.q_max[i] + 1e-9)
+        return false;
   }
   return true;
 }
@@ -131,7 +135,8 @@ std::string go(const Config& c, State& s, const Action& action, int64_t step, co
     return "has " + std::to_string(action.values.size()) + " values, needed " + std::to_string(c.q0.size());
   }
   const double T = asked > 0 ? asked : shortest_way(c, from.q, to.q);
-  return take_way(c, s, step, T, !(asked > 0), [&](double duration) { return way_between(from, to, duration); });
+  return take_way(c, s, step, T, !(asked > 0),
+                  [&](double duration) { return way_between(from, to, duration); });
 }
 
 /// Back to the motion that a goal has taken the place of; empty, or why not.
@@ -174,15 +179,19 @@ Output step(const Config& config, State& state, const Input& input) {
   } else if (!held && state.held) {
     resume(config, state, input.step, state.began, input.state->q, reference);
   }
-  const auto now = [&] { held ? stay(input.state->q, reference) : follow(config, state, input.step, reference); };
+  const auto now = [&] {
+    held ? stay(input.state->q, reference) : follow(config, state, input.step, reference);
+  };
   now();
   for (const Action& action : input.actions) {
     if (!is_for(action, "planner")) continue;
     std::string why_not = "the planner has no such action";
     if (action.verb == "goal") why_not = go(config, state, action, input.step, reference);
     if (action.verb == "set") why_not = go_back(config, state, action, input.step, reference);
-    if (!why_not.empty()) output.events.push_back(ignored(action, "planner", why_not));
-    else now();
+    if (!why_not.empty())
+      output.events.push_back(ignored(action, "planner", why_not));
+    else
+      now();
   }
   state.last_step = input.step;
   return output;

@@ -13,21 +13,22 @@ namespace lab::planner {
 /// A way that takes the motion's place: q = c0 + c1 t + .. + c5 t^5 for T. A person's goal is such a way, and so is the
 /// way from there back to the motion.
 struct Way {
-  Eigen::VectorXd c[6];         ///< nq each
-  double T = 0;                 ///< s
-  std::optional<double> onward; ///< s: the motion's time at the end of the way; without it the way ends in rest
+  Eigen::VectorXd c[6];  ///< nq each
+  double T = 0;          ///< s
+  std::optional<double>
+      onward;  ///< s: the motion's time at the end of the way; without it the way ends in rest
 };
 
 struct State {
-  int64_t since = 0;         ///< step at which the motion's time was `began`
-  double began = 0;          ///< s
-  double ramp = 0;           ///< s in which that time reaches its full rate and `offset` goes to 0; 0 = none
-  Eigen::VectorXd offset;    ///< nq: from the motion to the reference at `since`
-  std::optional<Way> way;    ///< instead of config's motion
-  double left = 0;           ///< s: the motion's time when the way took its place
-  bool held = false;         ///< the robot does not follow: the reference is where it is
-  bool stopped = false;      ///< a person said estop, and not yet rearm
-  int64_t last_step = -1;    ///< of the newest reference
+  int64_t since = 0;       ///< step at which the motion's time was `began`
+  double began = 0;        ///< s
+  double ramp = 0;         ///< s in which that time reaches its full rate and `offset` goes to 0; 0 = none
+  Eigen::VectorXd offset;  ///< nq: from the motion to the reference at `since`
+  std::optional<Way> way;  ///< instead of config's motion
+  double left = 0;         ///< s: the motion's time when the way took its place
+  bool held = false;       ///< the robot does not follow: the reference is where it is
+  bool stopped = false;    ///< a person said estop, and not yet rearm
+  int64_t last_step = -1;  ///< of the newest reference
 };
 inline State initial(const Config&) { return {}; }
 

@@ -43,12 +43,17 @@ struct Row {
 };
 
 /// From rest at x = 0, or to rest at x = 1, or neither; way d, slopes a and b (by x) at the ends that do not rest.
-void set_piece(Spline::Piece& piece, Eigen::Index i, double from, double d, double a, double b, bool starts, bool ends) {
+void set_piece(Spline::Piece& piece, Eigen::Index i, double from, double d, double a, double b, bool starts,
+               bool ends) {
   auto c = piece.c.row(i);
-  if (starts && ends) c << from, 0, 0, 10 * d, -15 * d, 6 * d;
-  else if (starts) c << from, 0, 0, 4 * d - b, b - 3 * d, 0;
-  else if (ends) c << from, a, 6 * d - 3 * a, 3 * a - 8 * d, 3 * d - a, 0;
-  else c << from, a, 3 * d - 2 * a - b, a + b - 2 * d, 0, 0;
+  if (starts && ends)
+    c << from, 0, 0, 10 * d, -15 * d, 6 * d;
+  else if (starts)
+    c << from, 0, 0, 4 * d - b, b - 3 * d, 0;
+  else if (ends)
+    c << from, a, 6 * d - 3 * a, 3 * a - 8 * d, 3 * d - a, 0;
+  else
+    c << from, a, 3 * d - 2 * a - b, a + b - 2 * d, 0, 0;
 }
 
 /// Slope at p[0] of the polynomial through five points that are h apart.
@@ -59,11 +64,13 @@ Eigen::VectorXd end_slope(const Eigen::VectorXd* p, double h, int way) {
 }  // namespace
 
 void Spline::at(double u, Eigen::VectorXd& q, Eigen::VectorXd& slope, Eigen::VectorXd& bend) const {
-  const auto after = std::upper_bound(pieces.begin() + 1, pieces.end(), u, [](double at, const Piece& p) { return at < p.start; });
+  const auto after = std::upper_bound(pieces.begin() + 1, pieces.end(), u,
+                                      [](double at, const Piece& p) { return at < p.start; });
   const Piece& piece = *(after - 1);
   const double h = piece.length, x = (u - piece.start) / h;
   for (Eigen::Index i = 0; i < piece.c.rows(); ++i) {
-    const double c1 = piece.c(i, 1), c2 = piece.c(i, 2), c3 = piece.c(i, 3), c4 = piece.c(i, 4), c5 = piece.c(i, 5);
+    const double c1 = piece.c(i, 1), c2 = piece.c(i, 2), c3 = piece.c(i, 3), c4 = piece.c(i, 4),
+                 c5 = piece.c(i, 5);
     q[i] = piece.c(i, 0) + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))));
     slope[i] = (c1 + x * (2 * c2 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h;
     bend[i] = (2 * c2 + x * (6 * c3 + x * (12 * c4 + x * 20 * c5))) / (h * h);
@@ -92,7 +99,8 @@ Spline through(const std::vector<double>& knots, const std::vector<Eigen::Vector
     const bool starts = rest && k == 1, stops = rest && k + 1 == n;
     row.before = starts ? 0 : 2 / h, row.after = stops ? 0 : 2 / g;
     row.own = (starts ? 6 : 4) / h + (stops ? 6 : 4) / g;
-    row.right = (starts ? 12 : 6) / (h * h) * (points[k] - points[k - 1]) + (stops ? 12 : 6) / (g * g) * (points[k + 1] - points[k]);
+    row.right = (starts ? 12 : 6) / (h * h) * (points[k] - points[k - 1]) +
+                (stops ? 12 : 6) / (g * g) * (points[k + 1] - points[k]);
     if (k == 1) row.right -= row.before * slope[0];
     if (k + 1 == n) row.right -= row.after * slope[n];
     if (k == 1) continue;
@@ -112,7 +120,8 @@ Spline through(const std::vector<double>& knots, const std::vector<Eigen::Vector
     piece.start = knots[k], piece.length = h;
     piece.c.resize(size, 6);
     for (Eigen::Index i = 0; i < size; ++i)
-      set_piece(piece, i, points[k][i], points[k + 1][i] - points[k][i], h * slope[k][i], h * slope[k + 1][i], rest && k == 0, rest && k + 1 == n);
+      set_piece(piece, i, points[k][i], points[k + 1][i] - points[k][i], h * slope[k][i], h * slope[k + 1][i],
+                rest && k == 0, rest && k + 1 == n);
   }
   return spline;
 }
@@ -130,7 +139,8 @@ Extremes extremes(const Spline::Piece& piece, Eigen::Index joint, int order) {
     if (y < out.low) out.low = y, out.low_at = x;
     if (y > out.high) out.high = y, out.high_at = x;
   }
-  return {out.low * scale, out.high * scale, piece.start + out.low_at * piece.length, piece.start + out.high_at * piece.length};
+  return {out.low * scale, out.high * scale, piece.start + out.low_at * piece.length,
+          piece.start + out.high_at * piece.length};
 }
 
 Eigen::VectorXd largest(const Spline& spline, int order) {

@@ -7,8 +7,9 @@ namespace lab::planner {
 
 struct Spline {
   struct Piece {
-    double start, length;                        ///< of the parameter u
-    Eigen::Matrix<double, Eigen::Dynamic, 6> c;  ///< a row per joint: c0 + c1 x + .. + c5 x^5, x = (u - start) / length
+    double start, length;  ///< of the parameter u
+    Eigen::Matrix<double, Eigen::Dynamic, 6>
+        c;  ///< a row per joint: c0 + c1 x + .. + c5 x^5, x = (u - start) / length
   };
   std::vector<Piece> pieces;
 

@@ -37,7 +37,8 @@ bool Stage::shows(const char* arrows) const {
 std::vector<rbd::FrameIndex> Stage::moving_frames() const {
   if (!settings_.trace.empty()) return {traced_};
   std::vector<rbd::FrameIndex> frames;
-  for (int joint = 1; joint < model_.njoints; ++joint) frames.push_back(model_.frameId(model_.names[static_cast<size_t>(joint)]));
+  for (int joint = 1; joint < model_.njoints; ++joint)
+    frames.push_back(model_.frameId(model_.names[static_cast<size_t>(joint)]));
   return frames;
 }
 
@@ -48,7 +49,8 @@ void Stage::set_scales() {
     if (each.moment.v.size() == 0) continue;
     rbd::forwardKinematics(model_, data_, each.moment.q, each.moment.v);
     for (rbd::FrameIndex frame : frames)
-      speed = std::max(speed, rbd::getFrameVelocity(model_, data_, frame, rbd::LOCAL_WORLD_ALIGNED).linear().norm());
+      speed = std::max(speed,
+                       rbd::getFrameVelocity(model_, data_, frame, rbd::LOCAL_WORLD_ALIGNED).linear().norm());
   }
   for (const Push& push : extras_.pushes) newtons = std::max(newtons, push.force.norm());
   const auto scale = [&](double most, const char* what, const char* unit) {
@@ -67,8 +69,10 @@ void Stage::add_arrows(const Moment& moment, render::Scene& scene) {
   for (render::Body& body : scene.bodies)  // arrows sit inside the links and have to show through them
     if (!body.annotation && body.group == 0) body.opacity = .55f, body.group = 1;
   const bool moving = moment.v.size() > 0;
-  if (moving) rbd::forwardKinematics(model_, data_, moment.q, moment.v);
-  else rbd::forwardKinematics(model_, data_, moment.q);
+  if (moving)
+    rbd::forwardKinematics(model_, data_, moment.q, moment.v);
+  else
+    rbd::forwardKinematics(model_, data_, moment.q);
 
   for (rbd::FrameIndex frame : moving_frames()) {
     const rbd::SE3& pose = data_.oMf[frame];
@@ -79,17 +83,20 @@ void Stage::add_arrows(const Moment& moment, render::Scene& scene) {
     }
     if (shows("velocity") && moving && velocity_.metres > 0)
       scene.bodies.push_back(render::make_arrow(
-          pose.translation(), velocity_.metres * rbd::getFrameVelocity(model_, data_, frame, rbd::LOCAL_WORLD_ALIGNED).linear(), radius,
-          kVelocity));
+          pose.translation(),
+          velocity_.metres * rbd::getFrameVelocity(model_, data_, frame, rbd::LOCAL_WORLD_ALIGNED).linear(),
+          radius, kVelocity));
   }
   if (shows("force"))
     for (const Push& push : extras_.pushes) {
       if (moment.time < push.begin || moment.time >= push.end || !model_.existFrame(push.frame)) continue;
       const Eigen::Vector3d vector = force_.metres * push.force;  // it ends where it acts
-      scene.bodies.push_back(render::make_arrow(data_.oMf[model_.frameId(push.frame)].translation() - vector, vector, 1.4 * radius, kForce));
+      scene.bodies.push_back(render::make_arrow(data_.oMf[model_.frameId(push.frame)].translation() - vector,
+                                                vector, 1.4 * radius, kForce));
     }
   if (shows("com")) {
-    const Eigen::Vector3d com = moving ? rbd::centerOfMass(model_, data_, moment.q, moment.v) : rbd::centerOfMass(model_, data_, moment.q);
+    const Eigen::Vector3d com = moving ? rbd::centerOfMass(model_, data_, moment.q, moment.v)
+                                       : rbd::centerOfMass(model_, data_, moment.q);
     scene.bodies.push_back(render::make_com(com, 0.014 * width()));
     if (moving && shows("velocity") && velocity_.metres > 0)
       scene.bodies.push_back(render::make_arrow(com, velocity_.metres * data_.vcom[0], radius, kVelocity));
@@ -97,21 +104,27 @@ void Stage::add_arrows(const Moment& moment, render::Scene& scene) {
 }
 
 void Stage::draw_legend(render::Image& image) const {
-  const int scale = std::max(1, std::min(image.width, image.height) / 320), line = 11 * scale, left = 6 * scale;
+  const int scale = std::max(1, std::min(image.width, image.height) / 320), line = 11 * scale,
+            left = 6 * scale;
   int y = image.height - line;
   const uint8_t ink[3] = {50, 54, 60};
-  const auto write = [&](int x, const std::string& text) { render::draw_text(image, x, y, text, scale, ink); };
+  const auto write = [&](int x, const std::string& text) {
+    render::draw_text(image, x, y, text, scale, ink);
+  };
   if (!settings_.trace.empty() && extras_.trace_by != "time") {
     const bool error = extras_.trace_by == "error";
     const double most = error ? 1000 * most_ : most_;
     const int width = 60 * scale;
     write(left, "0");
     const int bar = left + 9 * scale;
-    for (int x = 0; x < width; ++x) draw_box(image, bar + x, y, 1, 7 * scale, render::ramp_value((x + .5) / width));
-    write(bar + width + 3 * scale, fmt::format("{:.3g} {}: {} of {}", most, error ? "mm" : "m/s", extras_.trace_by, settings_.trace));
+    for (int x = 0; x < width; ++x)
+      draw_box(image, bar + x, y, 1, 7 * scale, render::ramp_value((x + .5) / width));
+    write(bar + width + 3 * scale,
+          fmt::format("{:.3g} {}: {} of {}", most, error ? "mm" : "m/s", extras_.trace_by, settings_.trace));
     y -= line;
   }
-  for (const auto& [name, each, colour] : {std::tuple("force", &force_, kForce), std::tuple("velocity", &velocity_, kVelocity)}) {
+  for (const auto& [name, each, colour] :
+       {std::tuple("force", &force_, kForce), std::tuple("velocity", &velocity_, kVelocity)}) {
     if (!shows(name) || each->text.empty()) continue;
     draw_box(image, left, y + 3 * scale, 7 * scale, 2 * scale, colour);
     write(left + 10 * scale, each->text);

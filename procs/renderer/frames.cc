@@ -55,9 +55,12 @@ void make_folder(const std::string& folder) {
   if (error) throw std::runtime_error(folder + ": cannot make this folder: " + error.message());
 }
 
-std::string frame_path(const std::string& folder, int64_t index) { return fmt::format("{}/{:04}.png", folder, index); }
+std::string frame_path(const std::string& folder, int64_t index) {
+  return fmt::format("{}/{:04}.png", folder, index);
+}
 
-FrameFolder::FrameFolder(std::string folder, render::PngTexts about) : folder_(std::move(folder)), about_(std::move(about)) {
+FrameFolder::FrameFolder(std::string folder, render::PngTexts about)
+    : folder_(std::move(folder)), about_(std::move(about)) {
   make_folder(folder_);
 }
 
@@ -69,32 +72,38 @@ void FrameFolder::write(int64_t index, Picture picture) {
 
 void FrameFolder::write_depth(int64_t index, const render::Measurement& seen, render::PngTexts texts) {
   texts.emplace_back("unit", "0.001 m; 0 = nothing, or beyond 65.535 m");
-  encoder_.push([path = fmt::format("{}/{:04}.depth", folder_, index), w = seen.width, h = seen.height, depth = seen.depth,
-                 texts = with(about_, texts)] {
+  encoder_.push([path = fmt::format("{}/{:04}.depth", folder_, index), w = seen.width, h = seen.height,
+                 depth = seen.depth, texts = with(about_, texts)] {
     render::write_png16(path + ".png", w, h, render::quantized(depth, 0.001), texts);
     write_floats(path + ".f32", depth);
   });
 }
 
-void FrameFolder::write_ids(int64_t index, const render::Measurement& seen, render::PngTexts texts, const std::vector<std::string>& links) {
+void FrameFolder::write_ids(int64_t index, const render::Measurement& seen, render::PngTexts texts,
+                            const std::vector<std::string>& links) {
   std::string names = "0 nothing";
   for (size_t i = 1; i < links.size(); ++i) names += fmt::format(", {} {}", i, links[i]);
   texts.emplace_back("links", names);
-  encoder_.push([path = fmt::format("{}/{:04}.id.png", folder_, index), w = seen.width, h = seen.height, id = seen.id,
-                 texts = with(about_, texts)] { render::write_png16(path, w, h, id, texts); });
+  encoder_.push([path = fmt::format("{}/{:04}.id.png", folder_, index), w = seen.width, h = seen.height,
+                 id = seen.id, texts = with(about_, texts)] { render::write_png16(path, w, h, id, texts); });
 }
 
-render::Image thumbnail(const render::Image& image) { return image.width >= 480 ? render::shrink(image, image.width >= 1200 ? 3 : 2) : image; }
+render::Image thumbnail(const render::Image& image) {
+  return image.width >= 480 ? render::shrink(image, image.width >= 1200 ? 3 : 2) : image;
+}
 
-void write_contact_sheet(const std::string& path, const std::vector<Stamped>& pictures, const render::PngTexts& about) {
+void write_contact_sheet(const std::string& path, const std::vector<Stamped>& pictures,
+                         const render::PngTexts& about) {
   std::vector<render::Image> images;
   std::vector<std::string> labels;
-  for (const Stamped& each : pictures) images.push_back(each.image), labels.push_back(fmt::format("{:.2f} s", each.time));
+  for (const Stamped& each : pictures)
+    images.push_back(each.image), labels.push_back(fmt::format("{:.2f} s", each.time));
   const int columns = images.size() > 20 ? 0 : images.size() > 6 ? 4 : 3;
   render::write_png(path, render::contact_sheet(images, labels, columns), about);
 }
 
-void write_contact_sheet_of(const std::string& path, const std::string& folder, const std::vector<double>& times) {
+void write_contact_sheet_of(const std::string& path, const std::string& folder,
+                            const std::vector<double>& times) {
   if (times.empty()) return;
   render::PngTexts about = render::read_png(frame_path(folder, 0)).texts;
   std::erase_if(about, [](const auto& text) { return text.first != "run" && text.first != "renderer"; });
@@ -102,7 +111,8 @@ void write_contact_sheet_of(const std::string& path, const std::string& folder, 
   std::vector<Stamped> pictures;
   for (size_t i = 0; i < cells; ++i) {
     const size_t index = cells == 1 ? 0 : i * (times.size() - 1) / (cells - 1);
-    pictures.push_back({thumbnail(render::read_png(frame_path(folder, static_cast<int64_t>(index))).image), times[index]});
+    pictures.push_back(
+        {thumbnail(render::read_png(frame_path(folder, static_cast<int64_t>(index))).image), times[index]});
   }
   write_contact_sheet(path, pictures, about);
 }

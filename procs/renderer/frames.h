@@ -29,7 +29,8 @@ class FrameFolder {
   /// infinity = nothing).
   void write_depth(int64_t index, const render::Measurement&, render::PngTexts);
   /// NNNN.id.png: 16 bits, the link's number; its texts say which is which.
-  void write_ids(int64_t index, const render::Measurement&, render::PngTexts, const std::vector<std::string>& links);
+  void write_ids(int64_t index, const render::Measurement&, render::PngTexts,
+                 const std::vector<std::string>& links);
 
   int64_t done() { return encoder_.done(); }  ///< files written
   void finish() { encoder_.finish(); }        ///< waits for all
@@ -53,6 +54,7 @@ render::Image thumbnail(const render::Image&);
 
 /// Up to twelve of the first `count` frames of a folder, evenly chosen, as a contact sheet that says the run
 /// as they do. Nothing if there are none.
-void write_contact_sheet_of(const std::string& path, const std::string& folder, const std::vector<double>& times);
+void write_contact_sheet_of(const std::string& path, const std::string& folder,
+                            const std::vector<double>& times);
 
 }  // namespace lab::renderer

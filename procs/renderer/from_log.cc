@@ -23,7 +23,8 @@ using Moments = std::vector<Moment>;
 constexpr double kVideoRate = 30;  // pictures per second of a film, unless said
 
 /// The experiment with the looks of the run's own experiment.yaml, and over them those of the command line.
-Experiment experiment_of(const FromLog& job, const Logged& logged, const std::string& path, std::string& meshes) {
+Experiment experiment_of(const FromLog& job, const Logged& logged, const std::string& path,
+                         std::string& meshes) {
   Experiment e = parse_experiment(logged.run.experiment, "RUN in " + path);
   const std::string beside = (fs::absolute(path).parent_path() / "experiment.yaml").string();
   meshes = "RUN";
@@ -40,7 +41,8 @@ Experiment experiment_of(const FromLog& job, const Logged& logged, const std::st
   r.orbit = job.orbit.value_or(r.orbit), r.ghost = job.ghost.value_or(r.ghost);
   if (job.follow) r.follow = *job.follow, e.where["renderer.follow"] = "--follow";
   if (job.trace) r.trace = *job.trace, e.where["renderer.trace"] = "--trace";
-  if (job.trace_by != "time" && r.trace.empty()) throw ExperimentError("--trace-by: there is no trace to colour; name its frame with --trace");
+  if (job.trace_by != "time" && r.trace.empty())
+    throw ExperimentError("--trace-by: there is no trace to colour; name its frame with --trace");
   return e;
 }
 
@@ -61,7 +63,8 @@ std::vector<int64_t> steps_at_times(const FromLog& job, double dt, int64_t last_
   for (double time : job.times) {
     const double step = std::round(time / dt);
     if (!(step >= 0 && step <= static_cast<double>(last_step)))
-      throw ExperimentError(fmt::format("--times: {} s is outside the run, which lasts from 0 to {} s", number(time), number(static_cast<double>(last_step) * dt)));
+      throw ExperimentError(fmt::format("--times: {} s is outside the run, which lasts from 0 to {} s",
+                                        number(time), number(static_cast<double>(last_step) * dt)));
     steps.push_back(static_cast<int64_t>(step));
   }
   return steps;
@@ -78,8 +81,14 @@ Moments moments_of(const std::map<int64_t, Moment>& all, const std::vector<int64
 /// Every i-th frame of a clip.
 class FrameWorker : public Worker {
  public:
-  FrameWorker(const Stage& stage, const Moments& moments, const FromLog& job, const std::string& folder, render::PngTexts about)
-      : stage_(stage), moments_(moments), depth_(job.depth), ids_(job.ids), painter_(stage_), files_(folder, with_gl(std::move(about))) {}
+  FrameWorker(const Stage& stage, const Moments& moments, const FromLog& job, const std::string& folder,
+              render::PngTexts about)
+      : stage_(stage),
+        moments_(moments),
+        depth_(job.depth),
+        ids_(job.ids),
+        painter_(stage_),
+        files_(folder, with_gl(std::move(about))) {}
 
   void draw(int64_t index) override {
     const Moment& moment = moments_[static_cast<size_t>(index)];
@@ -118,19 +127,24 @@ struct Scratch {
   }
 };
 
-void draw_frames(const FromLog& job, const Stage& stage, const Moments& moments, const std::string& folder, bool say, const render::PngTexts& about) {
+void draw_frames(const FromLog& job, const Stage& stage, const Moments& moments, const std::string& folder,
+                 bool say, const render::PngTexts& about) {
   const auto count = static_cast<int64_t>(moments.size());
   Progress progress("pictures", count);
-  draw_all(count, job.workers ? job.workers : sensible_workers(count),
-           [&]() -> std::unique_ptr<Worker> { return std::make_unique<FrameWorker>(stage, moments, job, folder, about); },
-           [&](int64_t index) {
-             progress.at(index + 1);
-             if (say && !progress.shown()) fmt::print("{}\n", frame_path(folder, index));
-           });
+  draw_all(
+      count, job.workers ? job.workers : sensible_workers(count),
+      [&]() -> std::unique_ptr<Worker> {
+        return std::make_unique<FrameWorker>(stage, moments, job, folder, about);
+      },
+      [&](int64_t index) {
+        progress.at(index + 1);
+        if (say && !progress.shown()) fmt::print("{}\n", frame_path(folder, index));
+      });
 }
 
 /// The pictures of the whole run: contact sheet and ghosts.
-void draw_overviews(const FromLog& job, Stage& stage, const Moments& for_contact, int64_t ghosts, render::PngTexts about) {
+void draw_overviews(const FromLog& job, Stage& stage, const Moments& for_contact, int64_t ghosts,
+                    render::PngTexts about) {
   if (for_contact.empty() && ghosts == 0) return;
   Painter painter(stage);
   about.emplace_back("renderer", painter.gl_info());
@@ -138,7 +152,8 @@ void draw_overviews(const FromLog& job, Stage& stage, const Moments& for_contact
   const std::string contact = job.folder + "/contact.png", ghost = job.folder + "/ghost.png";
   if (!for_contact.empty()) {
     std::vector<Stamped> pictures;
-    for (const Moment& moment : for_contact) pictures.push_back({thumbnail(painter.draw(moment).image), moment.time});
+    for (const Moment& moment : for_contact)
+      pictures.push_back({thumbnail(painter.draw(moment).image), moment.time});
     write_contact_sheet(contact, pictures, about);
     fmt::print("{}\n", contact);
   }
@@ -158,21 +173,28 @@ int render_log(const FromLog& job) {
   const Logged logged = survey(path);
   std::string meshes;
   const Experiment experiment = experiment_of(job, logged, path, meshes);
-  const Robot robot = logged.run.urdf.empty() ? load_robot(experiment) : load_robot(experiment, logged.run.urdf, meshes);
+  const Robot robot =
+      logged.run.urdf.empty() ? load_robot(experiment) : load_robot(experiment, logged.run.urdf, meshes);
   const double dt = experiment.simulator.dt;
   const int64_t last_step = logged.steps.back();
 
   // which steps
-  const bool only_overviews = (job.ghost.value_or(0) > 0 || job.contact > 0) && job.times.empty() && !job.fps && job.video.empty();
+  const bool only_overviews =
+      (job.ghost.value_or(0) > 0 || job.contact > 0) && job.times.empty() && !job.fps && job.video.empty();
   const double fps = job.fps.value_or(job.video.empty() ? experiment.renderer.fps : kVideoRate);
   std::vector<int64_t> steps, cells, samples;
-  if (!job.times.empty()) steps = steps_at_times(job, dt, last_step);
-  else if (!only_overviews) steps = steps_at_rate(fps, dt, last_step);
-  for (int64_t i = 0; i < job.contact; ++i) cells.push_back(job.contact == 1 ? last_step : i * last_step / (job.contact - 1));
+  if (!job.times.empty())
+    steps = steps_at_times(job, dt, last_step);
+  else if (!only_overviews)
+    steps = steps_at_rate(fps, dt, last_step);
+  for (int64_t i = 0; i < job.contact; ++i)
+    cells.push_back(job.contact == 1 ? last_step : i * last_step / (job.contact - 1));
   for (int64_t step = 0; step < last_step; step += sample_gap(experiment)) samples.push_back(step);
   samples.push_back(last_step);
-  steps = nearest(logged.steps, steps), cells = nearest(logged.steps, cells), samples = nearest(logged.steps, samples);
-  if (job.times.empty()) steps.erase(std::unique(steps.begin(), steps.end()), steps.end());  // fewer are logged than wanted
+  steps = nearest(logged.steps, steps), cells = nearest(logged.steps, cells),
+  samples = nearest(logged.steps, samples);
+  if (job.times.empty())
+    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());  // fewer are logged than wanted
   std::vector<int64_t> all = steps;
   all.insert(all.end(), cells.begin(), cells.end()), all.insert(all.end(), samples.begin(), samples.end());
   std::sort(all.begin(), all.end());
@@ -180,10 +202,12 @@ int render_log(const FromLog& job) {
 
   Extras extras{job.trace_by, job.arrows, logged.pushes};
   for (const PlannedPush& push : experiment.simulator.pushes)
-    extras.pushes.push_back({push.time, push.time + push.duration, push.frame, {push.force[0], push.force[1], push.force[2]}});
+    extras.pushes.push_back(
+        {push.time, push.time + push.duration, push.frame, {push.force[0], push.force[1], push.force[2]}});
   Stage stage(robot, experiment, std::move(extras));
   for (const auto& warning : stage.warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
-  if (job.strict && !stage.warnings().empty()) throw ExperimentError("--strict: the robot is not whole, so nothing is drawn");
+  if (job.strict && !stage.warnings().empty())
+    throw ExperimentError("--strict: the robot is not whole, so nothing is drawn");
   for (const Moment& moment : moments_of(read, samples)) stage.remember(moment);
   stage.frame_all();
 

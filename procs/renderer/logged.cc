@@ -24,7 +24,8 @@ void read(const std::string& path, F&& f) {
   LogReader reader(path);
   const Guard guard;
   for (LogEvent event; reader.next(event);)
-    if (const auto channel = channel_of(event.channel); channel && guard.check(*channel, event.data)) f(*channel, event.data);
+    if (const auto channel = channel_of(event.channel); channel && guard.check(*channel, event.data))
+      f(*channel, event.data);
 }
 
 }  // namespace
@@ -46,18 +47,23 @@ Logged survey(const std::string& path) {
     const auto& values = input.action.values;  // torque, force, seconds
     if (input.action.verb != "push" || values.size() < 7) return;
     const double begin = static_cast<double>(input.utime) * 1e-6;
-    logged.pushes.push_back({begin, begin + values[6], input.action.target, {values[3], values[4], values[5]}});
+    logged.pushes.push_back(
+        {begin, begin + values[6], input.action.target, {values[3], values[4], values[5]}});
   });
-  if (logged.run.run == 0) throw ExperimentError(path + ": there is no RUN in this log, so the robot is not known");
-  if (logged.steps.empty()) throw ExperimentError(path + ": there is no ROBOT_STATE in this log, so there is nothing to draw");
+  if (logged.run.run == 0)
+    throw ExperimentError(path + ": there is no RUN in this log, so the robot is not known");
+  if (logged.steps.empty())
+    throw ExperimentError(path + ": there is no ROBOT_STATE in this log, so there is nothing to draw");
   std::sort(logged.steps.begin(), logged.steps.end());
   return logged;
 }
 
-std::map<int64_t, Moment> read_moments(const std::string& path, const std::vector<int64_t>& steps, double dt) {
+std::map<int64_t, Moment> read_moments(const std::string& path, const std::vector<int64_t>& steps,
+                                       double dt) {
   std::map<int64_t, Moment> moments;
   read(path, [&](Channel channel, std::span<const uint8_t> data) {
-    if ((channel != Channel::RobotState && channel != Channel::Reference) || !std::binary_search(steps.begin(), steps.end(), peek_step(data)))
+    if ((channel != Channel::RobotState && channel != Channel::Reference) ||
+        !std::binary_search(steps.begin(), steps.end(), peek_step(data)))
       return;
     const int64_t step = peek_step(data);
     Moment& moment = moments[step];

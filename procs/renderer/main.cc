@@ -13,46 +13,66 @@ namespace {
 /// WIDTHxHEIGHT; "" or what is wrong with it.
 std::string read_size(const std::string& text, int& width, int& height) {
   int end = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &end) != 2 || text[static_cast<size_t>(end)] != '\0')
+  if (std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &end) != 2 ||
+      text[static_cast<size_t>(end)] != '\0')
     return "must be like 640x480, not '" + text + "'";
   constexpr int kMost = 4096;
-  if (width < 16 || height < 16 || width > kMost || height > kMost) return fmt::format("16 to {} pixels a side are possible, not {}", kMost, text);
+  if (width < 16 || height < 16 || width > kMost || height > kMost)
+    return fmt::format("16 to {} pixels a side are possible, not {}", kMost, text);
   return "";
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Draws the robot of a run: live beside it (--run-dir), or afterwards from a log or a run's folder.", "lab-renderer"};
+  CLI::App app{
+      "Draws the robot of a run: live beside it (--run-dir), or afterwards from a log or a run's folder.",
+      "lab-renderer"};
   app.footer("example: lab-renderer runs/latest --times 0,1.5 --size 1280x720 --quality fine -o pictures");
   app.get_formatter()->column_width(34);
-  lab::ParticipantOptions options{.name = "renderer", .url = "", .prefix = "", .channels = {lab::Channel::Run, lab::Channel::RobotState, lab::Channel::End}};
+  lab::ParticipantOptions options{
+      .name = "renderer",
+      .url = "",
+      .prefix = "",
+      .channels = {lab::Channel::Run, lab::Channel::RobotState, lab::Channel::End}};
   std::string run_dir;
   lab::renderer::FromLog job;
-  auto* live = app.add_option("--run-dir", run_dir, "the run's folder: reads experiment.yaml, writes frames/, contact.png, ghost.png");
+  auto* live =
+      app.add_option("--run-dir", run_dir,
+                     "the run's folder: reads experiment.yaml, writes frames/, contact.png, ghost.png");
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
   auto* source = app.add_option("source", job.source, "log.lcm or a run's folder")->excludes(live);
   const auto add = [&](CLI::Option* option) { return option->needs(source); };
 
-  auto* fps = add(app.add_option("--fps", job.fps, "pictures per second of simulation time"))->check(CLI::Range(1e-3, 1e4));
-  add(app.add_option("--times", job.times, "pictures at these times: s, separated by commas"))->delimiter(',')->excludes(fps);
-  add(app.add_option("--contact", job.contact, "contact.png of this many pictures"))->check(CLI::Range(1, 200));
-  add(app.add_option("--ghost", job.ghost, "ghost.png: the whole way in this many poses"))->check(CLI::Range(1, 100));
-  auto* video = add(app.add_option("--video", job.video, "a film (.mp4) of the pictures, 30 per second unless --fps says otherwise"));
+  auto* fps = add(app.add_option("--fps", job.fps, "pictures per second of simulation time"))
+                  ->check(CLI::Range(1e-3, 1e4));
+  add(app.add_option("--times", job.times, "pictures at these times: s, separated by commas"))
+      ->delimiter(',')
+      ->excludes(fps);
+  add(app.add_option("--contact", job.contact, "contact.png of this many pictures"))
+      ->check(CLI::Range(1, 200));
+  add(app.add_option("--ghost", job.ghost, "ghost.png: the whole way in this many poses"))
+      ->check(CLI::Range(1, 100));
+  auto* video = add(app.add_option(
+      "--video", job.video, "a film (.mp4) of the pictures, 30 per second unless --fps says otherwise"));
   add(app.add_flag("--depth", job.depth, "depths beside each picture: 16-bit PNG in mm, and float32 in m"));
   add(app.add_flag("--ids", job.ids, "numbers of links beside each picture: 16-bit PNG"));
 
   add(app.add_option("--size", "WIDTHxHEIGHT, pixels")->each([&](const std::string& text) {
-    if (const std::string fault = read_size(text, job.width, job.height); !fault.empty()) throw CLI::ValidationError(fault);
+    if (const std::string fault = read_size(text, job.width, job.height); !fault.empty())
+      throw CLI::ValidationError(fault);
   }));
-  add(app.add_option("--quality", job.quality, "draft, live or fine"))->check(CLI::IsMember({"draft", "live", "fine"}));
-  add(app.add_option("--camera", job.camera, "iso, front, side or top"))->check(CLI::IsMember(lab::render::view_names()));
+  add(app.add_option("--quality", job.quality, "draft, live or fine"))
+      ->check(CLI::IsMember({"draft", "live", "fine"}));
+  add(app.add_option("--camera", job.camera, "iso, front, side or top"))
+      ->check(CLI::IsMember(lab::render::view_names()));
   add(app.add_flag("--orthographic", job.orthographic, "without perspective"));
   add(app.add_option("--orbit", job.orbit, "rad/s: the camera goes round"))->check(CLI::Range(-100., 100.));
   add(app.add_option("--follow", job.follow, "frame that the camera goes along with"));
   add(app.add_option("--trace", job.trace, "frame whose way is drawn"));
-  add(app.add_option("--trace-by", job.trace_by, "what its colours mean: time, speed or error"))->check(CLI::IsMember({"time", "speed", "error"}));
+  add(app.add_option("--trace-by", job.trace_by, "what its colours mean: time, speed or error"))
+      ->check(CLI::IsMember({"time", "speed", "error"}));
   add(app.add_flag("--reference", job.reference, "the wanted pose as a green ghost"));
   add(app.add_option("--arrows", job.arrows, "velocity, force, com and frames, separated by commas"))
       ->delimiter(',')
@@ -63,9 +83,12 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (run_dir.empty() && job.source.empty()) throw CLI::RequiredError("--run-dir, or a log");
-    if (*source && !*folder && (!*video || job.depth || job.ids || job.ghost || job.contact)) throw CLI::RequiredError("-o");
-    if (*video && !job.video.ends_with(".mp4")) throw CLI::ValidationError("--video", "must be the name of an .mp4 file");
-    if (*video && !job.times.empty()) throw CLI::ValidationError("--video", "is made at a rate (--fps), not of single --times");
+    if (*source && !*folder && (!*video || job.depth || job.ids || job.ghost || job.contact))
+      throw CLI::RequiredError("-o");
+    if (*video && !job.video.ends_with(".mp4"))
+      throw CLI::ValidationError("--video", "must be the name of an .mp4 file");
+    if (*video && !job.times.empty())
+      throw CLI::ValidationError("--video", "is made at a rate (--fps), not of single --times");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
   }

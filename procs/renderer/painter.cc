@@ -6,15 +6,21 @@ namespace lab::renderer {
 namespace {
 
 std::string words(const std::string& view, const render::Camera& c) {
-  const auto point = [](const Eigen::Vector3d& p) { return fmt::format("{:.6g} {:.6g} {:.6g}", p.x(), p.y(), p.z()); };
-  const std::string lens = c.orthographic() ? fmt::format("height {:.6g} m", c.height) : fmt::format("fov {:.6g} rad", c.fov);
-  return fmt::format("{}; eye {} target {} up {} m; {}", view, point(c.eye), point(c.target), point(c.up), lens);
+  const auto point = [](const Eigen::Vector3d& p) {
+    return fmt::format("{:.6g} {:.6g} {:.6g}", p.x(), p.y(), p.z());
+  };
+  const std::string lens =
+      c.orthographic() ? fmt::format("height {:.6g} m", c.height) : fmt::format("fov {:.6g} rad", c.fov);
+  return fmt::format("{}; eye {} target {} up {} m; {}", view, point(c.eye), point(c.target), point(c.up),
+                     lens);
 }
 
 }  // namespace
 
 render::PngTexts texts_of(const Moment& moment, const std::string& view, const render::Camera& camera) {
-  return {{"step", std::to_string(moment.step)}, {"time", fmt::format("{:.6f} s", moment.time)}, {"camera", words(view, camera)}};
+  return {{"step", std::to_string(moment.step)},
+          {"time", fmt::format("{:.6f} s", moment.time)},
+          {"camera", words(view, camera)}};
 }
 
 Painter::Painter(Stage& stage)
@@ -25,8 +31,10 @@ Painter::Painter(Stage& stage)
 Picture Painter::draw(const render::Scene& scene, const render::Camera& camera, const Moment* moment) {
   Picture picture{renderer_.draw(scene, camera), {}};
   stage_.draw_legend(picture.image);
-  if (moment) picture.texts = texts_of(*moment, stage_.settings().camera, camera);
-  else picture.texts = {{"camera", words(stage_.settings().camera, camera)}};
+  if (moment)
+    picture.texts = texts_of(*moment, stage_.settings().camera, camera);
+  else
+    picture.texts = {{"camera", words(stage_.settings().camera, camera)}};
   return picture;
 }
 

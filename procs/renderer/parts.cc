@@ -7,11 +7,16 @@ constexpr size_t kFewTriangles = 500;
 
 render::MeshPtr primitive(const rbd::GeometryObject& shape) {
   switch (shape.shape) {
-    case rbd::Shape::Box: return render::make_box(shape.size);
-    case rbd::Shape::Cylinder: return render::make_cylinder(shape.size[0], shape.size[1]);
-    case rbd::Shape::Sphere: return render::make_sphere(shape.size[0]);
-    case rbd::Shape::Capsule: return render::make_capsule(shape.size[0], shape.size[1]);
-    case rbd::Shape::Mesh: break;
+    case rbd::Shape::Box:
+      return render::make_box(shape.size);
+    case rbd::Shape::Cylinder:
+      return render::make_cylinder(shape.size[0], shape.size[1]);
+    case rbd::Shape::Sphere:
+      return render::make_sphere(shape.size[0]);
+    case rbd::Shape::Capsule:
+      return render::make_capsule(shape.size[0], shape.size[1]);
+    case rbd::Shape::Mesh:
+      break;
   }
   return nullptr;
 }

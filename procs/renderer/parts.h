@@ -16,7 +16,8 @@ Eigen::Isometry3d isometry(const rbd::SE3& pose);
 class PartMaker {
  public:
   /// Meshes of more than 500 triangles are decimated, by at most `error` metres; 0: all are as their files have them.
-  PartMaker(const Robot& robot, double error, std::vector<std::string>& warnings) : robot_(robot), error_(error), warnings_(warnings) {}
+  PartMaker(const Robot& robot, double error, std::vector<std::string>& warnings)
+      : robot_(robot), error_(error), warnings_(warnings) {}
 
   render::Part part(const rbd::GeometryObject& shape);
 
@@ -27,7 +28,8 @@ class PartMaker {
   const Robot& robot_;
   const double error_;
   std::vector<std::string>& warnings_;
-  std::map<std::pair<std::string, double>, render::MeshPtr> meshes_;  ///< by URI and largest scale; null: cannot be had
+  std::map<std::pair<std::string, double>, render::MeshPtr>
+      meshes_;  ///< by URI and largest scale; null: cannot be had
 };
 
 }  // namespace lab::renderer

@@ -21,7 +21,8 @@ void Progress::at(int64_t done) {
   if (!shown_ || done == drawn_) return;
   drawn_ = std::min(done, total_);
   const auto full = static_cast<size_t>(kWide * drawn_ / total_);
-  fmt::print(stderr, "\r{} [{}{}] {} of {} ", what_, std::string(full, '#'), std::string(kWide - full, '.'), drawn_, total_);
+  fmt::print(stderr, "\r{} [{}{}] {} of {} ", what_, std::string(full, '#'), std::string(kWide - full, '.'),
+             drawn_, total_);
   std::fflush(stderr);
 }
 

@@ -12,9 +12,11 @@ namespace lab::renderer {
 /// The robot's shapes: one body for each joint. A shape's id is the place of its link in `links`, where new ones are
 /// added. A mesh that cannot be read becomes a magenta box and a warning. In quality fine meshes are as their files
 /// have them, else decimated (parts.h).
-std::vector<render::Body> make_bodies(const Robot&, const std::string& quality, std::vector<std::string>& links, std::vector<std::string>& warnings);
+std::vector<render::Body> make_bodies(const Robot&, const std::string& quality,
+                                      std::vector<std::string>& links, std::vector<std::string>& warnings);
 
 /// Moves them to a configuration; `data` then has its joints and frames.
-void pose_bodies(const rbd::Model&, rbd::Data& data, const Eigen::VectorXd& q, std::vector<render::Body>& bodies);
+void pose_bodies(const rbd::Model&, rbd::Data& data, const Eigen::VectorXd& q,
+                 std::vector<render::Body>& bodies);
 
 }  // namespace lab::renderer

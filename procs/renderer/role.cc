@@ -12,13 +12,13 @@
 #include <lab/run_t.hpp>
 
 #include "procs/experiment/experiment_yaml.h"
-#include "procs/wire/guard.h"
-#include "procs/wire/step_record.h"
-#include "render/png.h"
 #include "procs/wire/codec.h"
 #include "procs/wire/convert.h"
+#include "procs/wire/guard.h"
 #include "procs/wire/log_writer.h"
 #include "procs/wire/participant.h"
+#include "procs/wire/step_record.h"
+#include "render/png.h"
 
 namespace lab::renderer {
 
@@ -36,9 +36,12 @@ void Watcher::receive(Channel channel, std::span<const uint8_t> bytes, Micros) t
   silence_.progress();
   if (channel == Channel::Run && run_ == 0) return on_run(bytes);
   if (run_ == 0 || peek_run(bytes) != run_) return;
-  if (channel == Channel::RobotState) on_state(peek_step(bytes), bytes);
-  else if (channel == Channel::Reference) on_reference(peek_step(bytes), bytes);
-  else if (channel == Channel::End && !last_step_) on_end(bytes);
+  if (channel == Channel::RobotState)
+    on_state(peek_step(bytes), bytes);
+  else if (channel == Channel::Reference)
+    on_reference(peek_step(bytes), bytes);
+  else if (channel == Channel::End && !last_step_)
+    on_end(bytes);
 } catch (const std::exception& error) {
   outcome_ = {true, kBadConfig, error.what()};
 }
@@ -49,12 +52,15 @@ void Watcher::on_state(int64_t step, std::span<const uint8_t> bytes) {
     return Moment{step, static_cast<double>(step_utime(step, dt_)) * 1e-6, state.q, state.v, {}};
   };
   if (realtime_) {
-    if (stage_->needs_samples() && step / sample_gap_ > sampled_ / sample_gap_) stage_->remember(moment()), sampled_ = step;
+    if (stage_->needs_samples() && step / sample_gap_ > sampled_ / sample_gap_)
+      stage_->remember(moment()), sampled_ = step;
     const auto gap = static_cast<int64_t>(std::ceil(1 / (settings_.renderer.fps * dt_)));
     if (drawn_ < 0 || step / gap > drawn_ / gap) moments_.clear(), moments_[step] = moment();
     return;
   }
-  if (next_ >= wanted_.size() || step < wanted_[next_] || !std::binary_search(wanted_.begin(), wanted_.end(), step)) return;
+  if (next_ >= wanted_.size() || step < wanted_[next_] ||
+      !std::binary_search(wanted_.begin(), wanted_.end(), step))
+    return;
   Moment& kept = moments_[step];
   if (kept.q.size() > 0) return;
   Eigen::VectorXd reference = std::move(kept.wanted);  // it may have come first
@@ -68,7 +74,8 @@ void Watcher::on_reference(int64_t step, std::span<const uint8_t> bytes) {
   if (realtime_) {
     references_[step] = wanted();
     if (references_.size() > static_cast<size_t>(2 * kWindow)) references_.erase(references_.begin());
-  } else if (next_ < wanted_.size() && step >= wanted_[next_] && std::binary_search(pictures_.begin(), pictures_.end(), step)) {
+  } else if (next_ < wanted_.size() && step >= wanted_[next_] &&
+             std::binary_search(pictures_.begin(), pictures_.end(), step)) {
     moments_[step].wanted = wanted();
   }
 }
@@ -91,13 +98,15 @@ void Watcher::plan(int64_t last_step) {
 bool Watcher::ready(int64_t step) const {
   const auto found = moments_.find(step);
   if (found == moments_.end() || found->second.q.size() == 0) return false;
-  return !settings_.renderer.reference || found->second.wanted.size() > 0 || !std::binary_search(pictures_.begin(), pictures_.end(), step);
+  return !settings_.renderer.reference || found->second.wanted.size() > 0 ||
+         !std::binary_search(pictures_.begin(), pictures_.end(), step);
 }
 
 void Watcher::on_run(std::span<const uint8_t> bytes) {
   const auto message = decode<run_t>(bytes);
   Experiment experiment = parse_experiment(message.experiment, "RUN");
-  robot_ = message.urdf.empty() ? load_robot(experiment) : load_robot(experiment, message.urdf, find_model(settings_));
+  robot_ = message.urdf.empty() ? load_robot(experiment)
+                                : load_robot(experiment, message.urdf, find_model(settings_));
   experiment.renderer = settings_.renderer;
   dt_ = experiment.simulator.dt;
   sample_gap_ = sample_gap(experiment), sampled_ = -sample_gap_;
@@ -106,7 +115,8 @@ void Watcher::on_run(std::span<const uint8_t> bytes) {
   for (const auto& warning : stage_->warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
   if (!realtime_) plan(experiment.last_step());
   painter_ = std::make_unique<Painter>(*stage_);
-  about_ = {{"run", fmt::format("{:016x}", static_cast<uint64_t>(message.run))}, {"renderer", painter_->gl_info()}};
+  about_ = {{"run", fmt::format("{:016x}", static_cast<uint64_t>(message.run))},
+            {"renderer", painter_->gl_info()}};
   folder_ = std::make_unique<FrameFolder>(run_dir_ + "/frames", about_);
   std::ofstream(run_dir_ + "/gl.txt") << painter_->gl_info() << '\n';
   run_ = message.run;
@@ -136,14 +146,16 @@ void Watcher::tick(Micros now) try {
   if (state_missing && now >= next_look_) next_look_ = now + kRepeat / 2, read_more_of_the_log();
   if (outcome_.ended || run_ == 0) {
     if (stopping_ || silence_.total() > std::llround(settings_.ready * 1e6))
-      outcome_ = {true, stopping_ ? kOk : kNotReady, stopping_ ? "" : fmt::format("no RUN from the simulator in {:g} s", settings_.ready)};
+      outcome_ = {true, stopping_ ? kOk : kNotReady,
+                  stopping_ ? "" : fmt::format("no RUN from the simulator in {:g} s", settings_.ready)};
     return;
   }
   tell_written();
   if (realtime_ && !moments_.empty() && !last_step_) {
     Moment moment = std::move(moments_.begin()->second);
     moments_.clear();
-    if (const auto after = references_.upper_bound(moment.step); after != references_.begin()) moment.wanted = std::prev(after)->second;
+    if (const auto after = references_.upper_bound(moment.step); after != references_.begin())
+      moment.wanted = std::prev(after)->second;
     draw(moment);
   } else if (next_ < wanted_.size() && ready(wanted_[next_])) {
     do_next();
@@ -162,7 +174,8 @@ void Watcher::do_next() {
   const Moment moment = std::move(moments_[step]);
   moments_.erase(moments_.begin(), moments_.upper_bound(step));
   const bool picture = std::binary_search(pictures_.begin(), pictures_.end(), step);
-  if (stage_->needs_samples() && (step % sample_gap_ == 0 || step == pictures_.back())) stage_->remember(moment);
+  if (stage_->needs_samples() && (step % sample_gap_ == 0 || step == pictures_.back()))
+    stage_->remember(moment);
   if (picture) draw(moment);
   silence_.progress();
 }
@@ -177,7 +190,8 @@ void Watcher::draw(const Moment& moment) {
   frame_t frame{};
   frame.run = run_, frame.step = moment.step;
   frame.path = "frames/" + std::filesystem::path(frame_path("", index)).filename().string();
-  frame.width = static_cast<int32_t>(settings_.renderer.size[0]), frame.height = static_cast<int32_t>(settings_.renderer.size[1]);
+  frame.width = static_cast<int32_t>(settings_.renderer.size[0]),
+  frame.height = static_cast<int32_t>(settings_.renderer.size[1]);
   frame.camera = settings_.renderer.camera;
   untold_.push_back(frame);
 }

@@ -62,14 +62,15 @@ class Watcher : public Role {
   std::unique_ptr<Painter> painter_;
   std::unique_ptr<FrameFolder> folder_;
   render::PngTexts about_;
-  bool realtime_ = false;          ///< the newest state at each tick of its own, whatever was missed
-  std::vector<int64_t> pictures_;  ///< steps to draw, rising; none in real time
-  std::vector<int64_t> wanted_;    ///< these and the samples of traces and ghosts, rising
-  size_t next_ = 0;                ///< index into wanted_
+  bool realtime_ = false;              ///< the newest state at each tick of its own, whatever was missed
+  std::vector<int64_t> pictures_;      ///< steps to draw, rising; none in real time
+  std::vector<int64_t> wanted_;        ///< these and the samples of traces and ghosts, rising
+  size_t next_ = 0;                    ///< index into wanted_
   std::map<int64_t, Moment> moments_;  ///< what has come of the wanted steps; in real time the newest state
-  std::map<int64_t, Eigen::VectorXd> references_;  ///< real time: the newest ones, which run ahead of the states
-  std::vector<double> times_;      ///< of the pictures drawn, s
-  std::deque<frame_t> untold_;     ///< FRAME of pictures that may not be written yet
+  std::map<int64_t, Eigen::VectorXd>
+      references_;              ///< real time: the newest ones, which run ahead of the states
+  std::vector<double> times_;   ///< of the pictures drawn, s
+  std::deque<frame_t> untold_;  ///< FRAME of pictures that may not be written yet
   int64_t drawn_ = -1, sampled_ = 0;
   std::optional<int64_t> last_step_;  ///< from END
   bool stopping_ = false;

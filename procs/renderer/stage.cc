@@ -15,16 +15,17 @@
 namespace lab::renderer {
 namespace {
 
-constexpr int kPlanned = 48;             // poses of the plan that the camera is set by
-constexpr double kAllowance = 0.05;      // of the box's diagonal, by which a run may leave it
-constexpr int kReferenceGroup = 1000;    // of translucent bodies; ghosts count from 1
+constexpr int kPlanned = 48;           // poses of the plan that the camera is set by
+constexpr double kAllowance = 0.05;    // of the box's diagonal, by which a run may leave it
+constexpr int kReferenceGroup = 1000;  // of translucent bodies; ghosts count from 1
 const Eigen::Vector4f kReferenceTint(.16f, .72f, .40f, .75f);
 
 /// Whether a body stands where another one does, as far as an eye could tell.
 bool coincide(const render::Body& a, const render::Body& b) {
   constexpr double kSeen = 0.003;  // m
   const render::Bounds box = render::bounds(a);
-  const double reach = box.isEmpty() ? 0 : (box.center() - a.pose.translation()).norm() + box.diagonal().norm() / 2;
+  const double reach =
+      box.isEmpty() ? 0 : (box.center() - a.pose.translation()).norm() + box.diagonal().norm() / 2;
   const double turn = Eigen::AngleAxisd(a.pose.linear().transpose() * b.pose.linear()).angle();
   return (a.pose.translation() - b.pose.translation()).norm() + std::abs(turn) * reach < kSeen;
 }
@@ -56,7 +57,8 @@ Stage::Stage(const Robot& robot, const Experiment& e, Extras extras)
   home_ = data_.oMf[followed_].translation();
   for (const Eigen::VectorXd& q : plan) extend(q, box_, followed_box_);
   // the plan's last rest does not count for the colours of time
-  for (size_t i = plan.size(); i-- > 1 && plan[i] == plan[i - 1];) moving_ = duration_ * static_cast<double>(i - 1) / (kPlanned - 1);
+  for (size_t i = plan.size(); i-- > 1 && plan[i] == plan[i - 1];)
+    moving_ = duration_ * static_cast<double>(i - 1) / (kPlanned - 1);
   set_cameras();
 }
 
@@ -88,7 +90,8 @@ void Stage::frame_all() {
   for (const Sample& each : way_) extend(each.moment.q, box, followed);
   const auto keep = [](render::Bounds& planned, const render::Bounds& seen) {
     const Eigen::Vector3d room = Eigen::Vector3d::Constant(kAllowance * planned.diagonal().norm());
-    if (!planned.isEmpty() && render::Bounds(planned.min() - room, planned.max() + room).contains(seen)) return;
+    if (!planned.isEmpty() && render::Bounds(planned.min() - room, planned.max() + room).contains(seen))
+      return;
     planned.extend(seen);
   };
   keep(box_, box), keep(followed_box_, followed);
@@ -101,7 +104,8 @@ render::Camera Stage::camera(const Moment& moment) {
   if (settings_.orbit != 0) camera = render::turned(camera, settings_.orbit * moment.time);
   if (followed_) {
     rbd::forwardKinematics(model_, data_, moment.q);
-    camera = render::moved(camera, Eigen::Isometry3d(Eigen::Translation3d(data_.oMf[followed_].translation() - home_)));
+    camera = render::moved(
+        camera, Eigen::Isometry3d(Eigen::Translation3d(data_.oMf[followed_].translation() - home_)));
   }
   return camera;
 }
@@ -120,11 +124,14 @@ Stage::Sample Stage::sample(const Moment& moment) {
     rbd::forwardKinematics(model_, data_, moment.wanted);
     out.point = data_.oMf[traced_].translation();
   }
-  if (moment.v.size() > 0) rbd::forwardKinematics(model_, data_, moment.q, moment.v);
-  else rbd::forwardKinematics(model_, data_, moment.q);
+  if (moment.v.size() > 0)
+    rbd::forwardKinematics(model_, data_, moment.q, moment.v);
+  else
+    rbd::forwardKinematics(model_, data_, moment.q);
   const Eigen::Vector3d& here = data_.oMf[traced_].translation();
   if (moment.wanted.size() > 0) out.error = (here - out.point).norm();
-  if (moment.v.size() > 0) out.speed = rbd::getFrameVelocity(model_, data_, traced_, rbd::LOCAL_WORLD_ALIGNED).linear().norm();
+  if (moment.v.size() > 0)
+    out.speed = rbd::getFrameVelocity(model_, data_, traced_, rbd::LOCAL_WORLD_ALIGNED).linear().norm();
   out.point = here;
   return out;
 }
@@ -145,7 +152,8 @@ Eigen::Vector4f Stage::colour(const Sample& s) const {
   return extras_.trace_by == "time" ? render::ramp_time(share(s)) : render::ramp_value(share(s));
 }
 
-void Stage::add_trace(const std::vector<Sample>& samples, const std::vector<Eigen::Vector4f>& colours, render::Scene& scene) const {
+void Stage::add_trace(const std::vector<Sample>& samples, const std::vector<Eigen::Vector4f>& colours,
+                      render::Scene& scene) const {
   std::vector<Eigen::Vector3d> points;
   for (const Sample& s : samples) points.push_back(s.point);
   scene.bodies.push_back(render::make_trace(points, colours, 0.0033 * width()));
@@ -166,7 +174,8 @@ render::Scene Stage::scene(const Moment& moment) {
     scene.bodies.push_back(render::make_bead(samples.back().point, 0.007 * width(), colours.back()));
   }
   std::vector<render::Body> bodies;
-  if (settings_.reference && moment.wanted.size() > 0) bodies = render::ghost(robot_at(moment.wanted), kReferenceGroup, kReferenceTint, .5f);
+  if (settings_.reference && moment.wanted.size() > 0)
+    bodies = render::ghost(robot_at(moment.wanted), kReferenceGroup, kReferenceTint, .5f);
   const std::vector<render::Body> actual = robot_at(moment.q);
   for (size_t i = 0; i < bodies.size(); ++i)  // the ghost shows where it is not the robot
     if (!coincide(bodies[i], actual[i])) scene.bodies.push_back(std::move(bodies[i]));
@@ -194,7 +203,8 @@ render::Scene Stage::ghosts(int64_t n) {
   std::vector<size_t> chosen;  // the samples nearest to even distances
   for (int64_t k = 0; all > 0 && k + 1 < n; ++k) {
     const double wanted = all * static_cast<double>(k) / static_cast<double>(n - 1);
-    const auto after = static_cast<size_t>(std::lower_bound(along.begin(), along.end(), wanted) - along.begin());
+    const auto after =
+        static_cast<size_t>(std::lower_bound(along.begin(), along.end(), wanted) - along.begin());
     const size_t i = after > 0 && wanted - along[after - 1] < along[after] - wanted ? after - 1 : after;
     if (chosen.empty() || i > chosen.back()) chosen.push_back(i);
   }
@@ -206,19 +216,24 @@ render::Scene Stage::ghosts(int64_t n) {
   for (size_t k = chosen.size(); k-- > 0;) {
     Eigen::Vector4f tint = render::ramp_time(at(chosen[k]));
     tint[3] = .62f;
-    std::vector<render::Body> bodies = render::ghost(robot_at(way_[chosen[k]].moment.q), static_cast<int>(k + 1), tint, .42f);
-    for (size_t i = 0; i < bodies.size(); ++i)  // what has not moved, as a base, is shown once: by the solid robot or the next ghost
-      if (!coincide(bodies[i], last[i]) && (next.empty() || !coincide(bodies[i], next[i]))) scene.bodies.push_back(bodies[i]);
+    std::vector<render::Body> bodies =
+        render::ghost(robot_at(way_[chosen[k]].moment.q), static_cast<int>(k + 1), tint, .42f);
+    for (size_t i = 0; i < bodies.size();
+         ++i)  // what has not moved, as a base, is shown once: by the solid robot or the next ghost
+      if (!coincide(bodies[i], last[i]) && (next.empty() || !coincide(bodies[i], next[i])))
+        scene.bodies.push_back(bodies[i]);
     next = std::move(bodies);
   }
   for (const render::Body& body : last) scene.bodies.push_back(body);
 
   if (!settings_.trace.empty()) {
     std::vector<Eigen::Vector4f> colours;
-    for (size_t i = 0; i < way_.size(); ++i) colours.push_back(extras_.trace_by == "time" ? render::ramp_time(at(i)) : colour(way_[i]));
+    for (size_t i = 0; i < way_.size(); ++i)
+      colours.push_back(extras_.trace_by == "time" ? render::ramp_time(at(i)) : colour(way_[i]));
     add_trace(way_, colours, scene);
     chosen.push_back(way_.size() - 1);
-    for (size_t i : chosen) scene.bodies.push_back(render::make_bead(way_[i].point, 0.007 * width(), colours[i]));
+    for (size_t i : chosen)
+      scene.bodies.push_back(render::make_bead(way_[i].point, 0.007 * width(), colours[i]));
   }
   return scene;
 }

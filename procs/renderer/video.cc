@@ -21,7 +21,8 @@ namespace {
 
 /// Runs a program in a folder to its end and hands every line of its output (both streams) to `hear`. Returns its exit code; -1 if
 /// it cannot be started, with errno.
-int run(std::vector<std::string> words, const std::string& folder, const std::function<void(const std::string&)>& hear) {
+int run(std::vector<std::string> words, const std::string& folder,
+        const std::function<void(const std::string&)>& hear) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return -1;
   posix_spawn_file_actions_t files;
@@ -49,7 +50,8 @@ int run(std::vector<std::string> words, const std::string& folder, const std::fu
     return -1;
   }
   int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {}
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -57,31 +59,73 @@ int run(std::vector<std::string> words, const std::string& folder, const std::fu
 
 void need_ffmpeg() {
   if (run({"ffmpeg", "-version"}, ".", [](const std::string&) {}) != 0)
-    throw std::runtime_error("--video needs ffmpeg, which is not here: apt-get install ffmpeg (pictures work without it)");
+    throw std::runtime_error(
+        "--video needs ffmpeg, which is not here: apt-get install ffmpeg (pictures work without it)");
 }
 
-void write_video(const std::string& path, const std::string& folder, int64_t count, double fps, const std::string& title,
-                 const std::function<void(int64_t done)>& progress) {
-  const std::filesystem::path target = std::filesystem::absolute(path);  // ffmpeg runs in the pictures' folder
+void write_video(const std::string& path, const std::string& folder, int64_t count, double fps,
+                 const std::string& title, const std::function<void(int64_t done)>& progress) {
+  const std::filesystem::path target =
+      std::filesystem::absolute(path);  // ffmpeg runs in the pictures' folder
   const std::string part = (target.parent_path() / ("." + target.filename().string() + ".part")).string();
   std::string complaint;
   // Even sides and 4:2:0 with BT.709 is what every player takes. No stamp of when or by which encoder: same film, same bytes.
-  const int code = run({"ffmpeg", "-nostdin", "-y", "-loglevel", "error", "-progress", "pipe:1", "-nostats",
-                        "-framerate", fmt::format("{}", fps), "-start_number", "0", "-i", "%04d.png",
-                        "-frames:v", std::to_string(count),
-                        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
-                        "-c:v", "libx264", "-preset", "veryfast", "-crf", "18", "-pix_fmt", "yuv420p",
-                        "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv",
-                        "-fflags", "+bitexact", "-flags:v", "+bitexact", "-metadata", "title=" + title,
-                        "-movflags", "+faststart", "-f", "mp4", part},
-                       folder,
-                       [&](const std::string& line) {
+  const int code = run({"ffmpeg",
+                        "-nostdin",
+                        "-y",
+                        "-loglevel",
+                        "error",
+                        "-progress",
+                        "pipe:1",
+                        "-nostats",
+                        "-framerate",
+                        fmt::format("{}", fps),
+                        "-start_number",
+                        "0",
+                        "-i",
+                        "%04d.png",
+                        "-frames:v",
+                        std::to_string(count),
+                        "-vf",
+                        "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
+                        "-c:v",
+                        "libx264",
+                        "-preset",
+                        "veryfast",
+                        "-crf",
+                        "18",
+                        "-pix_fmt",
+                        "yuv420p",
+                        "-colorspace",
+                        "bt709",
+                        "-color_primaries",
+                        "bt709",
+                        "-color_trc",
+                        "bt709",
+                        "-color_range",
+                        "tv",
+                        "-fflags",
+                        "+bitexact",
+                        "-flags:v",
+                        "+bitexact",
+                        "-metadata",
+                        "title=" + title,
+                        "-movflags",
+                        "+faststart",
+                        "-f",
+                        "mp4",
+                        part},
+                       folder, [&](const std::string& line) {
                          const auto equal = line.find('=');
-                         if (line.starts_with("frame=")) progress(std::strtoll(line.c_str() + 6, nullptr, 10));
-                         else if (equal == std::string::npos || line.find(' ') < equal) complaint = line;  // not of -progress
+                         if (line.starts_with("frame="))
+                           progress(std::strtoll(line.c_str() + 6, nullptr, 10));
+                         else if (equal == std::string::npos || line.find(' ') < equal)
+                           complaint = line;  // not of -progress
                        });
   if (code == 0 && std::rename(part.c_str(), path.c_str()) == 0) return;
-  if (complaint.empty()) complaint = code < 0 || code == 0 ? std::strerror(errno) : fmt::format("ffmpeg ended with exit code {}", code);
+  if (complaint.empty())
+    complaint =
+        code < 0 || code == 0 ? std::strerror(errno) : fmt::format("ffmpeg ended with exit code {}", code);
   std::remove(part.c_str());
   throw std::runtime_error(path + ": cannot write the video: " + complaint);
 }

@@ -10,7 +10,7 @@ void need_ffmpeg();
 
 /// FOLDER/0000.png and on, `count` pictures, as an H.264 film. The file takes its final name only when it is whole.
 /// Throws std::runtime_error with ffmpeg's own words.
-void write_video(const std::string& path, const std::string& folder, int64_t count, double fps, const std::string& title,
-                 const std::function<void(int64_t done)>& progress);
+void write_video(const std::string& path, const std::string& folder, int64_t count, double fps,
+                 const std::string& title, const std::function<void(int64_t done)>& progress);
 
 }  // namespace lab::renderer

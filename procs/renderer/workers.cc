@@ -37,7 +37,8 @@ void tell(int pipe, std::string line) {
   }
 }
 
-[[noreturn]] void work(int64_t count, int which, int workers, int pipe, const std::function<std::unique_ptr<Worker>()>& make_worker) {
+[[noreturn]] void work(int64_t count, int which, int workers, int pipe,
+                       const std::function<std::unique_ptr<Worker>()>& make_worker) {
   // as many threads for OpenGL as this worker has of the machine's cores; how many never shows in the pictures
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   setenv("LP_NUM_THREADS", std::to_string(std::max(1u, cores / static_cast<unsigned>(workers))).c_str(), 0);
@@ -78,12 +79,16 @@ void hear(Child& child) {
   }
   close(child.pipe), child.pipe = -1;
   int status = 0;
-  while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {}
+  while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {
+  }
   child.pid = 0;
   if (WIFSIGNALED(status))
-    throw std::runtime_error(fmt::format("a process that draws was killed by signal {} ({}){}", WTERMSIG(status), strsignal(WTERMSIG(status)),
-                                         WTERMSIG(status) == SIGKILL ? ": is there too little memory? try a smaller -j" : ""));
-  if (WEXITSTATUS(status) != 0) throw std::runtime_error(fmt::format("a process that draws ended with exit code {}", WEXITSTATUS(status)));
+    throw std::runtime_error(fmt::format(
+        "a process that draws was killed by signal {} ({}){}", WTERMSIG(status), strsignal(WTERMSIG(status)),
+        WTERMSIG(status) == SIGKILL ? ": is there too little memory? try a smaller -j" : ""));
+  if (WEXITSTATUS(status) != 0)
+    throw std::runtime_error(
+        fmt::format("a process that draws ended with exit code {}", WEXITSTATUS(status)));
 }
 
 }  // namespace
@@ -126,7 +131,8 @@ void draw_all(int64_t count, int workers, const std::function<std::unique_ptr<Wo
         for (Child& child : children.all)
           if (child.pipe == each.fd) hear(child);
     // the i-th is there when its worker has drawn more than i / workers of its own
-    for (; told < count && children.all[static_cast<size_t>(told % workers)].drawn > told / workers; ++told) drawn(told);
+    for (; told < count && children.all[static_cast<size_t>(told % workers)].drawn > told / workers; ++told)
+      drawn(told);
   }
 }
 

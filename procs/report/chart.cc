@@ -7,7 +7,8 @@
 namespace lab::report {
 namespace {
 
-std::pair<double, double> range(const Chart& chart, std::vector<double> Curve::* axis, const std::vector<double>& in_sight) {
+std::pair<double, double> range(const Chart& chart, std::vector<double> Curve::* axis,
+                                const std::vector<double>& in_sight) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (double value : in_sight) least = std::min(least, value), most = std::max(most, value);
   for (const Curve& curve : chart.curves)

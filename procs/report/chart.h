@@ -24,11 +24,11 @@ struct Chart {
   std::string x_label = "time (s)";
   std::vector<Curve> curves{};
   std::vector<double> in_sight_x{}, in_sight_y{};  ///< that the axes reach, whatever the curves do
-  std::vector<double> levels{};                  ///< dashed lines across, drawn where they are in sight
+  std::vector<double> levels{};                    ///< dashed lines across, drawn where they are in sight
   std::vector<std::pair<double, double>> bands{};  ///< shaded between two heights
-  bool equal = false;                            ///< a length is the same on both axes
-  bool logarithmic = false;                      ///< the upright axis
-  bool bars = false;                             ///< the first curve as bars: x[i] to x[i + 1], y[i] high; x logarithmic
+  bool equal = false;                              ///< a length is the same on both axes
+  bool logarithmic = false;                        ///< the upright axis
+  bool bars = false;  ///< the first curve as bars: x[i] to x[i + 1], y[i] high; x logarithmic
 };
 
 /// At most 2 * buckets + 2 points: the least and the greatest of each bucket, in their order, so that peaks survive; first and last stay.

@@ -19,7 +19,8 @@ std::vector<std::string> names_of(const std::vector<Folder>& runs) {
   std::vector<std::string> names;
   for (const Folder& run : runs) {
     std::string name = run.name;
-    for (int n = 2; std::find(names.begin(), names.end(), name) != names.end(); ++n) name = run.name + " (" + std::to_string(n) + ")";
+    for (int n = 2; std::find(names.begin(), names.end(), name) != names.end(); ++n)
+      name = run.name + " (" + std::to_string(n) + ")";
     names.push_back(name);
   }
   return names;
@@ -34,14 +35,18 @@ void find_joints(const std::vector<Folder>& runs, Comparison& out) {
       continue;
     }
     if (own != out.joints) out.same_joints = false;
-    std::erase_if(out.joints, [&](const std::string& name) { return std::find(own.begin(), own.end(), name) == own.end(); });
+    std::erase_if(out.joints, [&](const std::string& name) {
+      return std::find(own.begin(), own.end(), name) == own.end();
+    });
   }
   if (out.same_joints) return;
   std::string note = "The robots differ (";
-  for (size_t i = 0; i < runs.size(); ++i) note += (i ? ", " : "") + out.names[i] + ": " + runs[i].logged->robot.model.name;
+  for (size_t i = 0; i < runs.size(); ++i)
+    note += (i ? ", " : "") + out.names[i] + ": " + runs[i].logged->robot.model.name;
   out.notes.push_back(note + "), so figures over all joints say nothing: compared are the tool and " +
                       (out.joints.empty() ? "nothing else, for no joint has the same name in all of them."
-                                          : "the joints that have the same name in all of them: " + list_of(out.joints) + "."));
+                                          : "the joints that have the same name in all of them: " +
+                                                list_of(out.joints) + "."));
 }
 
 void find_keys(const std::vector<Folder>& runs, Comparison& out) {
@@ -57,7 +62,8 @@ void find_keys(const std::vector<Folder>& runs, Comparison& out) {
   }
   std::erase_if(out.keys, [](const Comparison::Key& key) {
     return key.name == "name" || key.name == "expect" ||
-           std::all_of(key.values.begin(), key.values.end(), [&](const std::string& value) { return value == key.values.front(); });
+           std::all_of(key.values.begin(), key.values.end(),
+                       [&](const std::string& value) { return value == key.values.front(); });
   });
   for (Comparison::Key& key : out.keys) {  // of a path, the name is enough if it is another
     std::set<std::string> names;
@@ -74,14 +80,16 @@ void find_rows(const std::vector<Folder>& runs, Comparison& out) {
       const json value = value_of(run.metrics, name);
       row.values.push_back(value.is_number() ? value.get<double>() : NAN);
     }
-    if (std::any_of(row.values.begin(), row.values.end(), [](double value) { return std::isfinite(value); })) out.rows.push_back(std::move(row));
+    if (std::any_of(row.values.begin(), row.values.end(), [](double value) { return std::isfinite(value); }))
+      out.rows.push_back(std::move(row));
   };
   for (const Metric& metric : metrics()) {
     const std::string name = metric.name;
     if (out.same_joints || name.find("_tool_") != std::string::npos) add(name, metric);
   }
   for (const Metric& metric : metrics())
-    if (metric.per_joint && (!out.same_joints || std::string(metric.name) == "max_error" || std::string(metric.name) == "rms_error"))
+    if (metric.per_joint && (!out.same_joints || std::string(metric.name) == "max_error" ||
+                             std::string(metric.name) == "rms_error"))
       for (const std::string& joint : out.joints) add(std::string(metric.name) + "." + joint, metric);
 }
 
@@ -89,7 +97,8 @@ void find_rows(const std::vector<Folder>& runs, Comparison& out) {
 std::string columns(const std::vector<std::vector<std::string>>& rows) {
   std::vector<size_t> width;
   const auto letters = [](const std::string& text) {  // of UTF-8
-    return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+    return static_cast<size_t>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
   };
   for (const auto& row : rows) {
     width.resize(std::max(width.size(), row.size()));
@@ -126,8 +135,11 @@ std::string count(double times) {
 
 Gain gain(Better better, double first, double other) {
   if (better == Better::Neither || !std::isfinite(first) || !std::isfinite(other)) return {NAN, NAN};
-  if (better == Better::More) return {first == 0 ? NAN : 100 * (other - first) / std::abs(first), first > 0 && other > 0 ? other / first : NAN};
-  return {first == 0 ? NAN : 100 * (first - other) / std::abs(first), first > 0 && other > 0 ? first / other : NAN};
+  if (better == Better::More)
+    return {first == 0 ? NAN : 100 * (other - first) / std::abs(first),
+            first > 0 && other > 0 ? other / first : NAN};
+  return {first == 0 ? NAN : 100 * (first - other) / std::abs(first),
+          first > 0 && other > 0 ? first / other : NAN};
 }
 
 std::string in_words(Better better, double first, double other) {
@@ -146,14 +158,17 @@ Comparison compare(const std::vector<Folder>& runs) {
   out.names = names_of(runs);
   for (size_t i = 0; i < runs.size(); ++i)
     if (!runs[i].logged || runs[i].logged->run.states.empty())
-      throw std::runtime_error(out.names[i] + ": has nothing to compare (" + (runs[i].logged ? "no whole step in its log" : runs[i].no_log) + ")");
+      throw std::runtime_error(out.names[i] + ": has nothing to compare (" +
+                               (runs[i].logged ? "no whole step in its log" : runs[i].no_log) + ")");
   for (size_t i = 0; i < runs.size(); ++i)
     if (!runs[i].metrics["complete"].get<bool>())
-      out.notes.push_back(out.names[i] + " ended early, at step " + runs[i].metrics["last_step"].dump() + " of " + runs[i].metrics["wanted_last_step"].dump() +
+      out.notes.push_back(out.names[i] + " ended early, at step " + runs[i].metrics["last_step"].dump() +
+                          " of " + runs[i].metrics["wanted_last_step"].dump() +
                           ": its figures are of what it did until then.");
   for (size_t i = 1; i < runs.size(); ++i)
     if (runs[i].metrics["band"] != runs[0].metrics["band"])
-      out.notes.push_back(out.names[i] + " was judged by another band (" + runs[i].metrics["band"].dump() + ", not " + runs[0].metrics["band"].dump() +
+      out.notes.push_back(out.names[i] + " was judged by another band (" + runs[i].metrics["band"].dump() +
+                          ", not " + runs[0].metrics["band"].dump() +
                           "): settling times differ for that alone.");
   find_joints(runs, out);
   find_keys(runs, out);
@@ -174,7 +189,8 @@ std::string compare_text(const Comparison& all) {
   for (size_t i = 1; i < all.names.size(); ++i) rows[0].push_back(all.names[i]), rows[0].push_back("");
   for (const Comparison::Row& one : all.rows) {
     std::vector<std::string> row{one.name, one.unit, plain(one.values[0])};
-    for (size_t i = 1; i < one.values.size(); ++i) row.push_back(plain(one.values[i])), row.push_back(in_words(one.better, one.values[0], one.values[i]));
+    for (size_t i = 1; i < one.values.size(); ++i)
+      row.push_back(plain(one.values[i])), row.push_back(in_words(one.better, one.values[0], one.values[i]));
     rows.push_back(row);
   }
   out += "\n" + columns(rows);
@@ -184,13 +200,23 @@ std::string compare_text(const Comparison& all) {
 
 json compare_json(const Comparison& all) {
   const auto or_null = [](double value) { return std::isfinite(value) ? json(value) : json(nullptr); };
-  json out{{"runs", all.names}, {"notes", all.notes}, {"joints", all.joints}, {"keys", json::array()}, {"metrics", json::array()}};
-  for (const Comparison::Key& key : all.keys) out["keys"].push_back({{"key", key.name}, {"values", key.values}});
+  json out{{"runs", all.names},
+           {"notes", all.notes},
+           {"joints", all.joints},
+           {"keys", json::array()},
+           {"metrics", json::array()}};
+  for (const Comparison::Key& key : all.keys)
+    out["keys"].push_back({{"key", key.name}, {"values", key.values}});
   for (const Comparison::Row& row : all.rows) {
-    json one{{"metric", row.name}, {"unit", row.unit}, {"values", json::array()}, {"improvement_percent", json::array()}, {"times_better", json::array()}};
+    json one{{"metric", row.name},
+             {"unit", row.unit},
+             {"values", json::array()},
+             {"improvement_percent", json::array()},
+             {"times_better", json::array()}};
     for (double value : row.values) {
       const auto [percent, times] = gain(row.better, row.values[0], value);
-      one["values"].push_back(or_null(value)), one["improvement_percent"].push_back(or_null(percent)), one["times_better"].push_back(or_null(times));
+      one["values"].push_back(or_null(value)), one["improvement_percent"].push_back(or_null(percent)),
+          one["times_better"].push_back(or_null(times));
     }
     out["metrics"].push_back(one);
   }

@@ -21,7 +21,8 @@ std::vector<Curve> legend_of(const Comparison& all) {
 
 /// One curve per run; `value(run)` is by step.
 template <class F>
-Chart overlaid(const Comparison& all, const std::vector<Folder>& runs, const std::string& title, size_t charts, F&& value) {
+Chart overlaid(const Comparison& all, const std::vector<Folder>& runs, const std::string& title,
+               size_t charts, F&& value) {
   Chart chart{.title = title};
   for (size_t i = 0; i < runs.size(); ++i) {
     Curve curve{.label = all.names[i], .x = times(runs[i].logged->run), .y = value(runs[i].logged->run)};
@@ -58,7 +59,8 @@ Gallery overview(const Comparison& all, const std::vector<Folder>& runs) {
   out.legend = legend_of(all);
   out.columns = 1;
   if (!all.joints.empty()) {
-    Chart chart = overlaid(all, runs, "size of the error over time", 2, [&](const Run& run) { return norm(run, all.joints); });
+    Chart chart = overlaid(all, runs, "size of the error over time", 2,
+                           [&](const Run& run) { return norm(run, all.joints); });
     chart.width = 1080, chart.height = 290, chart.logarithmic = true;
     out.figures.push_back({"Size of the error, all common joints", "rad, m; logarithmic", std::move(chart)});
   }
@@ -69,9 +71,12 @@ Gallery tools(const Comparison& all, const std::vector<Folder>& runs) {
   Gallery out;
   out.legend = legend_of(all);
   out.columns = 2;
-  Chart error = overlaid(all, runs, "tool error over time", 2, [](const Run& run) { return tool_path(run).error; });
-  Chart turn = overlaid(all, runs, "tool angle over time", 2, [](const Run& run) { return tool_path(run).turn; });
-  for (auto& [chart, caption, unit] : {std::tuple(&error, "Tool: distance from the reference", "m"), {&turn, "Tool: angle from the reference", "rad"}}) {
+  Chart error =
+      overlaid(all, runs, "tool error over time", 2, [](const Run& run) { return tool_path(run).error; });
+  Chart turn =
+      overlaid(all, runs, "tool angle over time", 2, [](const Run& run) { return tool_path(run).turn; });
+  for (auto& [chart, caption, unit] : {std::tuple(&error, "Tool: distance from the reference", "m"),
+                                       {&turn, "Tool: angle from the reference", "rad"}}) {
     if (chart->curves.empty()) continue;
     chart->width = 530, chart->height = 210;
     const Scale scale = scale_for(y_range(*chart).second, unit);
@@ -85,10 +90,12 @@ Gallery joints(const Comparison& all, const std::vector<Folder>& runs) {
   Gallery out;
   out.legend = legend_of(all);
   for (const std::string& name : all.joints) {
-    Chart chart = overlaid(all, runs, name + ": error over time", all.joints.size(), [&](const Run& run) { return error_of(run, name); });
+    Chart chart = overlaid(all, runs, name + ": error over time", all.joints.size(),
+                           [&](const Run& run) { return error_of(run, name); });
     const rbd::Model& model = runs[0].logged->run.model;
     const auto [low, high] = y_range(chart);
-    const Scale scale = scale_for(std::max(std::abs(low), std::abs(high)), unit_of(model, model.joints[model.getJointId(name)].idx_v()));
+    const Scale scale = scale_for(std::max(std::abs(low), std::abs(high)),
+                                  unit_of(model, model.joints[model.getJointId(name)].idx_v()));
     rescale(chart, scale.factor);
     out.figures.push_back({name, scale.unit, std::move(chart)});
   }
@@ -113,8 +120,10 @@ std::string metric_table(const Comparison& all, bool per_joint) {
   const std::string against = "against " + escape(all.names[0]);
   Table table{{"metric", "unit", escape(all.names[0])}, {}, 2, share};
   const auto add = [&](std::vector<std::string>& row, const std::string& value, const std::string& words) {
-    if (share) row.push_back(value + "<br>" + words);
-    else row.push_back(value), row.push_back(words);
+    if (share)
+      row.push_back(value + "<br>" + words);
+    else
+      row.push_back(value), row.push_back(words);
   };
   for (size_t i = 1; i < all.names.size(); ++i) add(table.head, escape(all.names[i]), against);
   for (const Comparison::Row& one : all.rows) {
@@ -139,8 +148,8 @@ Page compare_page(const Comparison& all, const std::vector<Folder>& runs) {
   Table table{{"run", "", "what", "RMS error"}, {}, 3};
   for (size_t i = 0; i < runs.size(); ++i) {
     const nlohmann::json rms = value_of(runs[i].metrics, "rms_error");
-    table.rows.push_back({"<strong>" + escape(all.names[i]) + "</strong>", badge_html(badge_of(runs[i])), escape(about(runs[i])),
-                          figure(rms.is_number() ? rms.get<double>() : NAN)});
+    table.rows.push_back({"<strong>" + escape(all.names[i]) + "</strong>", badge_html(badge_of(runs[i])),
+                          escape(about(runs[i])), figure(rms.is_number() ? rms.get<double>() : NAN)});
   }
   body += table.html();
   for (const std::string& note : all.notes) body += missing(note);
@@ -149,7 +158,9 @@ Page compare_page(const Comparison& all, const std::vector<Folder>& runs) {
   body += section("What is different", key_table(all));
   body += section("What came of it", metric_table(all, false));
   body += section("Errors", shown.html[0]);
-  body += section("Joints", (shown.html[2].empty() ? missing("No joint has the same name in all runs.") : shown.html[2]) + metric_table(all, true));
+  body += section(
+      "Joints", (shown.html[2].empty() ? missing("No joint has the same name in all runs.") : shown.html[2]) +
+                    metric_table(all, true));
   body += section("Tool", shown.html[1].empty() ? missing("No run has a tool.") : shown.html[1]);
   Page page;
   page.drawn = shown.drawn;

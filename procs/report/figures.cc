@@ -13,7 +13,8 @@
 namespace lab::report {
 namespace {
 
-Curve curve(const std::string& label, const std::vector<double>& x, std::vector<double> y, Ink ink, size_t buckets) {
+Curve curve(const std::string& label, const std::vector<double>& x, std::vector<double> y, Ink ink,
+            size_t buckets) {
   Curve out{.label = label, .x = x, .y = std::move(y), .ink = ink};
   thin(out, buckets);
   return out;
@@ -73,7 +74,8 @@ std::string unit_of(const rbd::Model& model, int iv) {
 }
 
 void ink(Curve& curve, size_t i) {
-  constexpr Ink kOrder[] = {Ink::Blue, Ink::Red, Ink::Green, Ink::Purple, Ink::Orange, Ink::Sky, Ink::Brown, Ink::Grey};
+  constexpr Ink kOrder[] = {Ink::Blue,   Ink::Red, Ink::Green, Ink::Purple,
+                            Ink::Orange, Ink::Sky, Ink::Brown, Ink::Grey};
   curve.ink = kOrder[i % kInks];
   curve.dashed = i / kInks % 2 == 1;
 }
@@ -88,10 +90,13 @@ Gallery tracking_gallery(const Run& run) {
   for (const JointFigures& joint : joints) {
     Chart chart{.title = joint.name + ": reference and actual position over time"};
     chart.curves = {
-        curve("reference", t, series(run, [&](size_t k) { return run.references[k].q[joint.iq]; }), Ink::Orange, buckets),
-        curve("actual", t, series(run, [&](size_t k) { return run.states[k].q[joint.iq]; }), Ink::Blue, buckets)};
+        curve("reference", t, series(run, [&](size_t k) { return run.references[k].q[joint.iq]; }),
+              Ink::Orange, buckets),
+        curve("actual", t, series(run, [&](size_t k) { return run.states[k].q[joint.iq]; }), Ink::Blue,
+              buckets)};
     chart.curves[0].width = 4;
-    show_level(chart, run.model.lowerPositionLimit[joint.iq]), show_level(chart, run.model.upperPositionLimit[joint.iq]);
+    show_level(chart, run.model.lowerPositionLimit[joint.iq]),
+        show_level(chart, run.model.upperPositionLimit[joint.iq]);
     out.figures.push_back({joint.name, unit_of(run.model, joint.iv), std::move(chart)});
   }
   Curve limit{.label = "limit, where it is near", .ink = Ink::Grey, .width = 1, .dashed = true};
@@ -133,10 +138,12 @@ Gallery error_gallery(const Run& run) {
       chart.curves.push_back(std::move(one));
     }
     if (chart.curves.empty()) continue;
-    if (const auto [low, high] = y_range(chart); low < -run.band || high > run.band) chart.bands = {{-run.band, run.band}};
+    if (const auto [low, high] = y_range(chart); low < -run.band || high > run.band)
+      chart.bands = {{-run.band, run.band}};
     out.figures.push_back(scaled("Error of each joint", unit, std::move(chart)));
   }
-  if (many) out.legend.push_back({.label = "the others, whose errors are smaller", .ink = Ink::Grey, .width = 0.6});
+  if (many)
+    out.legend.push_back({.label = "the others, whose errors are smaller", .ink = Ink::Grey, .width = 0.6});
   return out;
 }
 
@@ -155,7 +162,9 @@ Gallery effort_gallery(const Run& run) {
     show_level(chart, lower), show_level(chart, upper);
     const bool linear = unit_of(run.model, joint.iv) == "m";
     std::string unit = linear ? "N" : "Nm";
-    if (std::isfinite(upper)) unit += ", limit " + (lower == -upper ? "±" + figure(upper, 3) : figure(lower, 3) + " .. " + figure(upper, 3));
+    if (std::isfinite(upper))
+      unit += ", limit " +
+              (lower == -upper ? "±" + figure(upper, 3) : figure(lower, 3) + " .. " + figure(upper, 3));
     out.figures.push_back({joint.name, unit, std::move(chart)});
   }
   Curve limit{.label = "limit, where it is near", .ink = Ink::Grey, .width = 1, .dashed = true};
@@ -169,14 +178,18 @@ Gallery energy_gallery(const Run& run) {
   if (energy.energy.empty()) return out;
   const std::vector<double> t = times(run);
   std::vector<double> gained, drift;
-  for (size_t k = 0; k < t.size(); ++k) gained.push_back(energy.energy[k] - energy.energy[0]), drift.push_back(gained[k] - energy.work[k]);
+  for (size_t k = 0; k < t.size(); ++k)
+    gained.push_back(energy.energy[k] - energy.energy[0]), drift.push_back(gained[k] - energy.work[k]);
   Chart both{.title = "energy gained and work done over time", .width = 530, .height = 210};
   Chart rest{.title = "energy gained less work done over time", .width = 530, .height = 210};
-  both.curves = {curve("energy gained", t, gained, Ink::Orange, 250), curve("work done", t, energy.work, Ink::Blue, 250)};
+  both.curves = {curve("energy gained", t, gained, Ink::Orange, 250),
+                 curve("work done", t, energy.work, Ink::Blue, 250)};
   both.curves[0].width = 4;
   rest.curves = {curve("drift", t, drift, Ink::Red, 250)};
-  out.figures = {scaled("Energy gained, and work done", "J", std::move(both)), scaled("Their difference: drift", "J", std::move(rest))};
-  out.legend = {{.label = "energy gained", .ink = Ink::Orange, .width = 4}, {.label = "work done"},
+  out.figures = {scaled("Energy gained, and work done", "J", std::move(both)),
+                 scaled("Their difference: drift", "J", std::move(rest))};
+  out.legend = {{.label = "energy gained", .ink = Ink::Orange, .width = 4},
+                {.label = "work done"},
                 {.label = "drift", .ink = Ink::Red}};
   out.columns = 2;
   return out;
@@ -198,11 +211,16 @@ Gallery tool_gallery(const Run& run) {
       thin_evenly(one, 500);
       chart.curves.push_back(std::move(one));
     }
-    out.figures.push_back({caption, std::string(1, static_cast<char>('x' + up)) + " in m over " + static_cast<char>('x' + right), std::move(chart)});
+    out.figures.push_back(
+        {caption,
+         std::string(1, static_cast<char>('x' + up)) + " in m over " + static_cast<char>('x' + right),
+         std::move(chart)});
   };
   seen("From above", 0, 1), seen("From the side", 0, 2);
-  Chart error{.title = "distance of " + path.frame + " from its reference over time", .width = 530, .height = 210};
-  Chart turn{.title = "angle of " + path.frame + " from its reference over time", .width = 530, .height = 210};
+  Chart error{
+      .title = "distance of " + path.frame + " from its reference over time", .width = 530, .height = 210};
+  Chart turn{
+      .title = "angle of " + path.frame + " from its reference over time", .width = 530, .height = 210};
   error.curves = {curve("distance", t, path.error, Ink::Blue, 250)};
   turn.curves = {curve("angle", t, path.turn, Ink::Blue, 250)};
   out.figures.push_back(scaled("Distance from the reference", "m", std::move(error)));
@@ -215,7 +233,8 @@ Gallery tool_gallery(const Run& run) {
 Gallery loop_gallery(const std::vector<Loops>& all) {
   Gallery out;
   for (const Loops& loops : all) {
-    const double total = static_cast<double>(std::accumulate(loops.counts.begin(), loops.counts.end(), int64_t{0}));
+    const double total =
+        static_cast<double>(std::accumulate(loops.counts.begin(), loops.counts.end(), int64_t{0}));
     Chart chart{.title = loops.process + ": histogram of loop times", .x_label = "loop time (µs)"};
     chart.bars = true;
     Curve bars;
@@ -252,8 +271,10 @@ std::string legend_html(const std::vector<Curve>& curves) {
   if (curves.empty()) return "";
   std::string out = "<ul class=\"legend\">";
   for (const Curve& one : curves)
-    out += "<li><svg viewBox=\"0 0 22 8\"><path class=\"s-" + std::string(name_of(one.ink)) + "\" stroke-width=\"" + figure(std::max(one.width, 1.0) + 0.4) +
-           "\"" + (one.dashed ? " stroke-dasharray=\"4 4\"" : "") + " d=\"M2 4H20\"/></svg>" + escape(one.label) + "</li>";
+    out += "<li><svg viewBox=\"0 0 22 8\"><path class=\"s-" + std::string(name_of(one.ink)) +
+           "\" stroke-width=\"" + figure(std::max(one.width, 1.0) + 0.4) + "\"" +
+           (one.dashed ? " stroke-dasharray=\"4 4\"" : "") + " d=\"M2 4H20\"/></svg>" + escape(one.label) +
+           "</li>";
   return out + "</ul>\n";
 }
 
@@ -269,11 +290,18 @@ Shown show(const std::vector<Gallery>& galleries) {
   for (const Gallery& gallery : galleries) {
     std::string html;
     if (!drawn) {
-      html = gallery.figures.empty() ? "" : missing("No plots here: gnuplot is not installed (package gnuplot-nox).");
+      html = gallery.figures.empty()
+                 ? ""
+                 : missing("No plots here: gnuplot is not installed (package gnuplot-nox).");
     } else if (!gallery.figures.empty()) {
-      html = legend_html(gallery.legend) + "<div class=\"plots" + (gallery.columns == 1 ? " one" : gallery.columns == 2 ? " two" : "") + "\">\n";
+      html = legend_html(gallery.legend) + "<div class=\"plots" +
+             (gallery.columns == 1   ? " one"
+              : gallery.columns == 2 ? " two"
+                                     : "") +
+             "\">\n";
       for (const Figure& one : gallery.figures)
-        html += "<figure><figcaption>" + escape(one.caption) + " <span>" + escape(one.unit) + "</span></figcaption>\n" + (*drawn)[next++] + "</figure>\n";
+        html += "<figure><figcaption>" + escape(one.caption) + " <span>" + escape(one.unit) +
+                "</span></figcaption>\n" + (*drawn)[next++] + "</figure>\n";
       html += "</div>\n";
     }
     out.html.push_back(html);

@@ -33,7 +33,8 @@ void each_message(const std::string& log, F&& f) {
   Guard guard;
   LogReader reader(log);
   for (LogEvent event; reader.next(event);)
-    if (const auto channel = channel_of(event.channel); channel && guard.check(*channel, event.data)) f(*channel, event.data);
+    if (const auto channel = channel_of(event.channel); channel && guard.check(*channel, event.data))
+      f(*channel, event.data);
 }
 
 std::string numbers(const std::vector<double>& values) {
@@ -47,7 +48,8 @@ std::vector<Note> read_notes(const std::string& log, double dt) {
   each_message(log, [&](Channel channel, std::span<const uint8_t> data) {
     if (channel == Channel::Event) {
       const auto event = decode<event_t>(data);
-      notes.push_back({static_cast<double>(event.step) * dt, event.process, event.what, event.who, event.why});
+      notes.push_back(
+          {static_cast<double>(event.step) * dt, event.process, event.what, event.who, event.why});
     } else if (channel == Channel::Input) {
       const auto input = decode<input_t>(data);
       const action_t& action = input.action;
@@ -71,11 +73,14 @@ std::vector<Loops> read_loops(const std::string& telemetry) {
     loops.process = name;
     loops.counts.resize(kLoopBins);
     for (const auto& [pid, last] : starts) {
-      for (size_t i = 0; i < last.loops.size() && i < loops.counts.size(); ++i) loops.counts[i] += last.loops[i];
+      for (size_t i = 0; i < last.loops.size() && i < loops.counts.size(); ++i)
+        loops.counts[i] += last.loops[i];
       loops.overruns += last.overruns;
-      loops.late_p50 = last.lateness_p50, loops.late_p99 = last.lateness_p99, loops.late_max = last.lateness_max;
+      loops.late_p50 = last.lateness_p50, loops.late_p99 = last.lateness_p99,
+      loops.late_max = last.lateness_max;
     }
-    if (std::any_of(loops.counts.begin(), loops.counts.end(), [](int64_t n) { return n > 0; })) all.push_back(loops);
+    if (std::any_of(loops.counts.begin(), loops.counts.end(), [](int64_t n) { return n > 0; }))
+      all.push_back(loops);
   }
   return all;
 }
@@ -109,13 +114,15 @@ std::string tail(std::string text) {
   constexpr size_t kBytes = 4000;
   while (text.ends_with('\n')) text.pop_back();
   size_t at = text.size();
-  for (int lines = 0; lines < kLines && at != std::string::npos && at > 0; ++lines) at = text.rfind('\n', at - 1);
+  for (int lines = 0; lines < kLines && at != std::string::npos && at > 0; ++lines)
+    at = text.rfind('\n', at - 1);
   if (at != std::string::npos && at > 0) text.erase(0, at + 1);
   if (text.size() > kBytes) text.erase(0, text.size() - kBytes);
   return text;
 }
 
-std::vector<std::pair<std::string, std::string>> read_last_words(const fs::path& dir, const nlohmann::json& manifest) {
+std::vector<std::pair<std::string, std::string>> read_last_words(const fs::path& dir,
+                                                                 const nlohmann::json& manifest) {
   std::vector<std::pair<std::string, std::string>> all;
   if (!manifest.is_object() || !manifest.contains("exit_codes")) return all;
   for (const auto& [name, code] : manifest["exit_codes"].items()) {
@@ -139,7 +146,8 @@ Folder read_folder(const std::string& dir) {
   out.manifest = nlohmann::json::parse(bytes_of(root / "manifest.json"), nullptr, false);
   if (!out.manifest.is_object()) out.manifest = nullptr;
   try {
-    if (!fs::exists(log)) throw std::runtime_error("there is no log.lcm: the run ended before its first step, or still goes on");
+    if (!fs::exists(log))
+      throw std::runtime_error("there is no log.lcm: the run ended before its first step, or still goes on");
     if (fs::file_size(log) == 0) throw std::runtime_error("log.lcm is empty");
     out.logged = read_run(log);
     out.metrics = evaluate(out.logged->run, out.logged->experiment.expect);
@@ -151,7 +159,8 @@ Folder read_folder(const std::string& dir) {
   }
   if (out.logged) out.experiment = out.logged->experiment;
   try {
-    if (!out.experiment_text.empty()) out.experiment = parse_experiment(out.experiment_text, out.name + "/experiment.yaml");
+    if (!out.experiment_text.empty())
+      out.experiment = parse_experiment(out.experiment_text, out.name + "/experiment.yaml");
   } catch (const std::exception&) {  // an older or broken text: the log knows what counts
   }
   if (fs::exists(root / "telemetry.lcm")) out.loops = read_loops(root / "telemetry.lcm");

@@ -25,18 +25,19 @@ struct Loops {
 };
 
 struct Folder {
-  std::string name;                 ///< of the folder
-  std::optional<LoggedRun> logged;  ///< none: see no_log
-  std::string no_log;               ///< why not, in one line
+  std::string name;                      ///< of the folder
+  std::optional<LoggedRun> logged;       ///< none: see no_log
+  std::string no_log;                    ///< why not, in one line
   std::optional<Experiment> experiment;  ///< every key: experiment.yaml, or what the log has of it
-  nlohmann::json metrics;           ///< evaluate() of it; null without
-  std::vector<Note> notes;          ///< in the order of the log
-  std::vector<Loops> loops;         ///< in the order of the alphabet
-  nlohmann::json manifest;          ///< null if there is none
-  std::string experiment_text;      ///< experiment.yaml; empty if there is none
-  std::vector<std::string> pictures;  ///< PNG files' bytes: the contact sheet, or some frames
-  size_t frames = 0;                ///< in frames/
-  std::vector<std::pair<std::string, std::string>> last_words;  ///< of processes that ended badly: name, last lines
+  nlohmann::json metrics;                ///< evaluate() of it; null without
+  std::vector<Note> notes;               ///< in the order of the log
+  std::vector<Loops> loops;              ///< in the order of the alphabet
+  nlohmann::json manifest;               ///< null if there is none
+  std::string experiment_text;           ///< experiment.yaml; empty if there is none
+  std::vector<std::string> pictures;     ///< PNG files' bytes: the contact sheet, or some frames
+  size_t frames = 0;                     ///< in frames/
+  std::vector<std::pair<std::string, std::string>>
+      last_words;  ///< of processes that ended badly: name, last lines
 };
 
 /// Throws std::runtime_error if the folder is none of a run. What is missing in it is no error.

@@ -12,11 +12,20 @@ std::string escape(std::string_view text) {
   std::string out;
   for (char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -28,7 +37,8 @@ std::string base64(std::string_view bytes) {
   out.reserve(bytes.size() * 4 / 3 + 4);
   for (size_t i = 0; i < bytes.size(); i += 3) {
     uint32_t three = 0;
-    for (size_t k = 0; k < 3; ++k) three = three << 8 | (i + k < bytes.size() ? static_cast<uint8_t>(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 3; ++k)
+      three = three << 8 | (i + k < bytes.size() ? static_cast<uint8_t>(bytes[i + k]) : 0);
     for (size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kLetters[three >> (18 - 6 * k) & 63] : '=';
   }
   return out;
@@ -47,7 +57,8 @@ std::string Table::html() const {
   const auto row = [&](const std::vector<std::string>& cells, const char* tag) {
     std::string out = "<tr>";
     for (size_t i = 0; i < cells.size(); ++i)
-      out += std::string("<") + tag + (i < text_columns ? " class=\"w\">" : ">") + cells[i] + "</" + tag + ">";
+      out +=
+          std::string("<") + tag + (i < text_columns ? " class=\"w\">" : ">") + cells[i] + "</" + tag + ">";
     return out + "</tr>\n";
   };
   std::string out = std::string("<div class=\"scroll\"><table") + (narrow ? " class=\"narrow\"" : "") + ">\n";

@@ -10,7 +10,8 @@ namespace lab::report {
 namespace {
 
 void write_page(const std::string& path, const Page& page) {
-  if (!page.drawn) std::cerr << path << ": is without plots, for gnuplot is not installed (package gnuplot-nox)\n";
+  if (!page.drawn)
+    std::cerr << path << ": is without plots, for gnuplot is not installed (package gnuplot-nox)\n";
   write_atomically(path, page.html);
 }
 

@@ -2,9 +2,9 @@
 
 #include <xxhash.h>
 
+#include <cmath>
 #include <filesystem>
 #include <lab/type_t.hpp>
-#include <cmath>
 #include <random>
 #include <set>
 
@@ -29,9 +29,11 @@ run_t make_run(const Experiment& experiment, const Robot& robot) {
   for (int joint = 1; joint < static_cast<int>(robot.model.njoints); ++joint)
     if (robot.model.joints[joint].nv() > 0) run.joint_names.push_back(robot.model.names[joint]);
   run.njoints = static_cast<int32_t>(run.joint_names.size());
-  const int64_t parts[3] = {static_cast<int64_t>(XXH3_64bits(run.experiment.data(), run.experiment.size())), run.model_hash, run.seed};
+  const int64_t parts[3] = {static_cast<int64_t>(XXH3_64bits(run.experiment.data(), run.experiment.size())),
+                            run.model_hash, run.seed};
   run.run = static_cast<int64_t>(XXH3_64bits(parts, sizeof parts));
-  if (experiment.simulator.clock == "realtime") run.run = std::llround(1e3 * std::random_device()()) ^ wall_now();
+  if (experiment.simulator.clock == "realtime")
+    run.run = std::llround(1e3 * std::random_device()()) ^ wall_now();
   if (run.run == 0) run.run = 1;
   return run;
 }
@@ -45,9 +47,15 @@ RunView open_run(const run_t& run) {
 
 RunSetup setup_of(const RunView& run) {
   const Experiment& e = run.experiment;
-  return {run.robot.hash, static_cast<int>(run.robot.model.nq), static_cast<int>(run.robot.model.nv),
-          e.simulator.dt, e.last_step(),  e.planner.lead,            e.controller.every,
-          e.simulator.clock == "realtime", static_cast<int64_t>(std::floor(e.safety.timeout / e.simulator.dt + 1e-9))};
+  return {run.robot.hash,
+          static_cast<int>(run.robot.model.nq),
+          static_cast<int>(run.robot.model.nv),
+          e.simulator.dt,
+          e.last_step(),
+          e.planner.lead,
+          e.controller.every,
+          e.simulator.clock == "realtime",
+          static_cast<int64_t>(std::floor(e.safety.timeout / e.simulator.dt + 1e-9))};
 }
 
 std::vector<Bytes> type_messages(int64_t run) {

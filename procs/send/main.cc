@@ -39,27 +39,37 @@ std::string sender() {
 /// The lab's bus as a guest: hears what it asks for, guarded.
 class Guest {
  public:
-  explicit Guest(const Options& options) : options_(options), guard_(options.prefix), until_(monotonic_now() + static_cast<Micros>(options.timeout * 1e6)) {
+  explicit Guest(const Options& options)
+      : options_(options),
+        guard_(options.prefix),
+        until_(monotonic_now() + static_cast<Micros>(options.timeout * 1e6)) {
     BusOptions bus;
-    for (Channel channel : {Channel::Reply, Channel::Run, Channel::Reference}) bus.channels.push_back(wire_name(channel, options.prefix));
+    for (Channel channel : {Channel::Reply, Channel::Run, Channel::Reference})
+      bus.channels.push_back(wire_name(channel, options.prefix));
     bus_ = open_bus(options.url, bus);
-    if (!options.run.empty()) guard_.set_run(run_ = static_cast<int64_t>(std::stoull(options.run, nullptr, 16)));
+    if (!options.run.empty())
+      guard_.set_run(run_ = static_cast<int64_t>(std::stoull(options.run, nullptr, 16)));
   }
   int64_t run() const { return run_; }
   void bind(int64_t run) { guard_.set_run(run_ = run); }
 
   /// Sends what `message` makes every 100 ms until `take` is content with something heard; false when the time is over.
-  bool ask(Channel channel, const Bytes& message, const std::function<bool(Channel, std::span<const uint8_t>)>& take) {
+  bool ask(Channel channel, const Bytes& message,
+           const std::function<bool(Channel, std::span<const uint8_t>)>& take) {
     bool content = false;
     Micros next = 0;
     while (!content && !interrupted) {
       const Micros now = monotonic_now();
       if (now >= until_) return false;
       if (now >= next) next = now + kRepeat, bus_->publish(wire_name(channel, options_.prefix), message);
-      bus_->poll(std::min(next, until_) - now, [&](const Datagram& datagram) {
-        const auto heard = channel_of(datagram.channel, options_.prefix);
-        if (!content && heard && guard_.check(*heard, datagram.data)) content = take(*heard, datagram.data);
-      }, kNoSpin);
+      bus_->poll(
+          std::min(next, until_) - now,
+          [&](const Datagram& datagram) {
+            const auto heard = channel_of(datagram.channel, options_.prefix);
+            if (!content && heard && guard_.check(*heard, datagram.data))
+              content = take(*heard, datagram.data);
+          },
+          kNoSpin);
     }
     return content;
   }
@@ -124,14 +134,23 @@ int request(Guest& guest, const Options& options, const Action& action) {
   });
   if (interrupted) return 128 + interrupted;
   if (!reply) {
-    if (options.as_json) fmt::print("{}\n", nlohmann::ordered_json{{"verb", action.verb}, {"confirmed", false}}.dump());
-    fmt::print(stderr, "lab-send: {} unconfirmed: no answer in {:g} s; see the log\n", action.verb, options.timeout);
+    if (options.as_json)
+      fmt::print("{}\n", nlohmann::ordered_json{{"verb", action.verb}, {"confirmed", false}}.dump());
+    fmt::print(stderr, "lab-send: {} unconfirmed: no answer in {:g} s; see the log\n", action.verb,
+               options.timeout);
     return kTransport;
   }
   if (options.as_json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"verb", action.verb}, {"confirmed", true}, {"ok", reply->ok != 0}, {"reason", reply->reason},
-                                              {"step", reply->step}, {"run", fmt::format("{:016x}", static_cast<uint64_t>(reply->run))}}.dump());
-  else if (reply->ok) fmt::print("{}\n", told(action, *reply));
+    fmt::print("{}\n",
+               nlohmann::ordered_json{{"verb", action.verb},
+                                      {"confirmed", true},
+                                      {"ok", reply->ok != 0},
+                                      {"reason", reply->reason},
+                                      {"step", reply->step},
+                                      {"run", fmt::format("{:016x}", static_cast<uint64_t>(reply->run))}}
+                   .dump());
+  else if (reply->ok)
+    fmt::print("{}\n", told(action, *reply));
   if (!reply->ok) fmt::print(stderr, "lab-send: {}\n", told(action, *reply));
   return reply->ok ? kOk : kTransport;
 }
@@ -145,12 +164,19 @@ int nobody(const Options& options) {
 int run(int argc, char** argv) {
   CLI::App app{"Asks the simulator of a running lab for something, and says what it answered.", "lab-send"};
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 done, 2 usage, 7 refused or not confirmed.\nexample: lab-send goal 0.1 -0.4 0.8 0 0.2 0 --duration 2");
+  app.footer(
+      "Exit codes: 0 done, 2 usage, 7 refused or not confirmed.\nexample: lab-send goal 0.1 -0.4 0.8 0 0.2 0 "
+      "--duration 2");
   Options options;
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
   app.add_option("--run", options.run, "only this run (hexadecimal), where several are on the bus")
-      ->check([](const std::string& word) { return !word.empty() && word.size() <= 16 && word.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos ? "" : "not a hexadecimal number"; });
+      ->check([](const std::string& word) {
+        return !word.empty() && word.size() <= 16 &&
+                       word.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos
+                   ? ""
+                   : "not a hexadecimal number";
+      });
   app.add_option("--timeout", options.timeout, "s to wait for the answer")->check(CLI::PositiveNumber);
   app.add_flag("--json", options.as_json, "print JSON");
   app.fallthrough();
@@ -165,22 +191,37 @@ int run(int argc, char** argv) {
     sub->footer(std::string("example: lab-send ") + example);
     return sub;
   };
-  CLI::App* goal_verb = verb("goal", "Moves the reference to a configuration, or a frame to a place, from where it is, without a jump.",
-                             "goal --frame effector_body --position 0.5,0.1,0.6 --rpy 0,1.57,0 --duration 2");
-  CLI::Option* q = goal_verb->add_option("q", words, "a number for every joint (rad, m), or JOINT=VALUE for some")->allow_extra_args();
-  CLI::Option* frame = goal_verb->add_option("--frame", place.frame, "of the robot, that shall go to a place in the world")->excludes(q);
+  CLI::App* goal_verb =
+      verb("goal",
+           "Moves the reference to a configuration, or a frame to a place, from where it is, without a jump.",
+           "goal --frame effector_body --position 0.5,0.1,0.6 --rpy 0,1.57,0 --duration 2");
+  CLI::Option* q =
+      goal_verb->add_option("q", words, "a number for every joint (rad, m), or JOINT=VALUE for some")
+          ->allow_extra_args();
+  CLI::Option* frame =
+      goal_verb->add_option("--frame", place.frame, "of the robot, that shall go to a place in the world")
+          ->excludes(q);
   CLI::Option* position = goal_verb->add_option("--position", place.position, "x,y,z in m")->needs(frame);
-  CLI::Option* rpy = goal_verb->add_option("--rpy", place.rpy, "roll,pitch,yaw in rad (default: any orientation)")->needs(position);
-  goal_verb->add_option("--quaternion", place.quaternion, "x,y,z,w instead of --rpy")->needs(position)->excludes(rpy);
-  goal_verb->add_option("--duration", duration, "s (default: as fast as planner.speed, half, of the speed limits allows)");
+  CLI::Option* rpy =
+      goal_verb->add_option("--rpy", place.rpy, "roll,pitch,yaw in rad (default: any orientation)")
+          ->needs(position);
+  goal_verb->add_option("--quaternion", place.quaternion, "x,y,z,w instead of --rpy")
+      ->needs(position)
+      ->excludes(rpy);
+  goal_verb->add_option("--duration", duration,
+                        "s (default: as fast as planner.speed, half, of the speed limits allows)");
   CLI::App* set_verb = verb("set", "Changes a value of a process while it runs.", "set controller kp=80");
   set_verb->add_option("process", target, "such as controller")->required();
-  set_verb->add_option("assignment", assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")->required();
-  CLI::App* push_verb = verb("push", "Pushes a frame with a force (N) and a torque (Nm) in world axes.", "push effector_body 20 0 0 --for 0.2");
+  set_verb->add_option("assignment", assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")
+      ->required();
+  CLI::App* push_verb = verb("push", "Pushes a frame with a force (N) and a torque (Nm) in world axes.",
+                             "push effector_body 20 0 0 --for 0.2");
   push_verb->add_option("frame", target, "of the robot")->required();
   push_verb->add_option("wrench", words, "FX FY FZ [NX NY NZ]")->required()->allow_extra_args();
   push_verb->add_option("--for", seconds, "s (default 0.1)");
-  CLI::App* payload_verb = verb("payload", "Fixes a mass to a frame of the simulated robot, in place of what it carried; the controller does not know.",
+  CLI::App* payload_verb = verb("payload",
+                                "Fixes a mass to a frame of the simulated robot, in place of what it "
+                                "carried; the controller does not know.",
                                 "payload effector_body 2 --com 0,0,0.1");
   payload_verb->add_option("frame", target, "of the robot")->required();
   payload_verb->add_option("mass", mass, "kg; 0 takes it off")->required();
@@ -198,7 +239,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kOk : kUsage;
   }
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = [](int number) { interrupted = number; };
   sigaction(SIGINT, &action, nullptr), sigaction(SIGTERM, &action, nullptr);
 
@@ -207,12 +248,14 @@ int run(int argc, char** argv) {
       const std::string name = app.get_subcommands().front()->get_name();
       Guest guest(options);
       if (name == "goal" && !place.frame.empty()) return request(guest, options, goal(place, duration));
-      if (name == "goal" && words.empty()) throw UsageError("goal: needs a number for every joint, JOINT=VALUE, or --frame and --position");
+      if (name == "goal" && words.empty())
+        throw UsageError("goal: needs a number for every joint, JOINT=VALUE, or --frame and --position");
       if (name == "goal" && names_joints(words)) {
         run_t known{};
         std::vector<double> current;
         if (!learn(guest, known, current)) return nobody(options);
-        return request(guest, options, goal(words, duration, known.joint_names, current, followers_of(known)));
+        return request(guest, options,
+                       goal(words, duration, known.joint_names, current, followers_of(known)));
       }
       if (name == "reset" && !bind_to_run(guest)) return nobody(options);
       if (name == "goal") return request(guest, options, goal(words, duration));

@@ -33,13 +33,15 @@ std::vector<double> numbers(const std::string& list, size_t wanted, const std::s
     out.push_back(number_of(list.substr(at, comma - at), what));
     at = comma + 1;
   }
-  if (out.size() != wanted) throw UsageError(fmt::format("{}: '{}' has {} numbers, needed {}", what, list, out.size(), wanted));
+  if (out.size() != wanted)
+    throw UsageError(fmt::format("{}: '{}' has {} numbers, needed {}", what, list, out.size(), wanted));
   return out;
 }
 
 Action with_duration(double duration) {
   Action action{"goal", "", "", "", {}};
-  if (duration < 0 || !std::isfinite(duration)) throw UsageError(fmt::format("--duration: {} is no time in s", duration));
+  if (duration < 0 || !std::isfinite(duration))
+    throw UsageError(fmt::format("--duration: {} is no time in s", duration));
   if (duration > 0) action.key = "duration", action.text = number(duration);
   return action;
 }
@@ -47,7 +49,8 @@ Action with_duration(double duration) {
 }  // namespace
 
 bool names_joints(std::span<const std::string> words) {
-  return std::any_of(words.begin(), words.end(), [](const std::string& word) { return word.find('=') != std::string::npos; });
+  return std::any_of(words.begin(), words.end(),
+                     [](const std::string& word) { return word.find('=') != std::string::npos; });
 }
 
 Action goal(std::span<const std::string> words, double duration) {
@@ -56,20 +59,26 @@ Action goal(std::span<const std::string> words, double duration) {
   return action;
 }
 
-Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current,
-            const std::map<std::string, std::string>& followers) {
+Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints,
+            const std::vector<double>& current, const std::map<std::string, std::string>& followers) {
   Action action = with_duration(duration);
-  if (joints.size() != current.size()) throw UsageError("goal: this robot's configuration has other parts than joints; give all of its numbers");
+  if (joints.size() != current.size())
+    throw UsageError("goal: this robot's configuration has other parts than joints; give all of its numbers");
   action.values = current;
   for (const std::string& word : words) {
     const size_t equals = word.find('=');
-    if (equals == std::string::npos) throw UsageError(fmt::format("goal: '{}': either all numbers or JOINT=VALUE", word));
+    if (equals == std::string::npos)
+      throw UsageError(fmt::format("goal: '{}': either all numbers or JOINT=VALUE", word));
     const std::string joint = word.substr(0, equals);
     if (const auto follows = followers.find(joint); follows != followers.end())
-      throw UsageError(fmt::format("goal: '{}' follows '{}'; give a goal for that one", joint, follows->second));
+      throw UsageError(
+          fmt::format("goal: '{}' follows '{}'; give a goal for that one", joint, follows->second));
     const auto place = std::find(joints.begin(), joints.end(), joint);
-    if (place == joints.end()) throw UsageError(fmt::format("goal: the robot has no joint '{}'{}", joint, did_you_mean(joint, joints)));
-    action.values[static_cast<size_t>(place - joints.begin())] = number_of(word.substr(equals + 1), "goal: " + joint);
+    if (place == joints.end())
+      throw UsageError(
+          fmt::format("goal: the robot has no joint '{}'{}", joint, did_you_mean(joint, joints)));
+    action.values[static_cast<size_t>(place - joints.begin())] =
+        number_of(word.substr(equals + 1), "goal: " + joint);
   }
   return action;
 }
@@ -77,13 +86,15 @@ Action goal(std::span<const std::string> words, double duration, const std::vect
 Action goal(const Place& place, double duration) {
   Action action = with_duration(duration);
   action.target = place.frame;
-  if (place.position.empty()) throw UsageError(fmt::format("goal: --frame {} needs --position x,y,z", place.frame));
+  if (place.position.empty())
+    throw UsageError(fmt::format("goal: --frame {} needs --position x,y,z", place.frame));
   action.values = numbers(place.position, 3, "--position");
   Eigen::Quaterniond turn;
   if (!place.quaternion.empty()) {
     const std::vector<double> x = numbers(place.quaternion, 4, "--quaternion");
     turn.coeffs() << x[0], x[1], x[2], x[3];
-    if (!(std::abs(turn.norm() - 1) < 0.01)) throw UsageError(fmt::format("--quaternion: its length is {}, must be 1", number(turn.norm())));
+    if (!(std::abs(turn.norm() - 1) < 0.01))
+      throw UsageError(fmt::format("--quaternion: its length is {}, must be 1", number(turn.norm())));
     turn.normalize();
   } else if (!place.rpy.empty()) {
     const std::vector<double> x = numbers(place.rpy, 3, "--rpy");
@@ -97,7 +108,8 @@ Action goal(const Place& place, double duration) {
 
 Action set(const std::string& process, const std::string& assignment) {
   const size_t equals = assignment.find('=');
-  if (equals == std::string::npos || equals == 0) throw UsageError(fmt::format("set: '{}' must look like kp=80", assignment));
+  if (equals == std::string::npos || equals == 0)
+    throw UsageError(fmt::format("set: '{}' must look like kp=80", assignment));
   Action action{"set", process, assignment.substr(0, equals), "", {}};
   std::string rest = assignment.substr(equals + 1);
   double value = 0;
@@ -106,7 +118,8 @@ Action set(const std::string& process, const std::string& assignment) {
     action.text = rest;
     return action;
   }
-  for (size_t comma = 0; comma != std::string::npos; rest = comma == std::string::npos ? "" : rest.substr(comma + 1)) {
+  for (size_t comma = 0; comma != std::string::npos;
+       rest = comma == std::string::npos ? "" : rest.substr(comma + 1)) {
     comma = rest.find(',');
     action.values.push_back(number_of(rest.substr(0, comma), "set: " + action.key));
   }
@@ -114,8 +127,11 @@ Action set(const std::string& process, const std::string& assignment) {
 }
 
 Action push(const std::string& frame, std::span<const std::string> words, double seconds) {
-  if (words.size() != 3 && words.size() != 6) throw UsageError(fmt::format("push: has {} numbers, needed 3 (force, N) or 6 (force and torque, Nm)", words.size()));
-  if (!(seconds > 0) || !std::isfinite(seconds)) throw UsageError(fmt::format("--for: {} is no time in s", seconds));
+  if (words.size() != 3 && words.size() != 6)
+    throw UsageError(
+        fmt::format("push: has {} numbers, needed 3 (force, N) or 6 (force and torque, Nm)", words.size()));
+  if (!(seconds > 0) || !std::isfinite(seconds))
+    throw UsageError(fmt::format("--for: {} is no time in s", seconds));
   std::vector<double> x;
   for (const std::string& word : words) x.push_back(number_of(word, "push"));
   x.resize(6, 0);
@@ -140,7 +156,9 @@ std::string told(const Action& action, const reply_t& reply) {
   if (!reply.ok) return fmt::format("{} refused: {}", action.verb, reply.reason);
   if (action.verb == "pause") return fmt::format("paused before step {}", reply.step);
   if (action.verb == "resume") return fmt::format("goes on with step {}", reply.step);
-  if (action.verb == "reset") return fmt::format("run {:016x} ends with step {}, a new one starts", static_cast<uint64_t>(reply.run), reply.step);
+  if (action.verb == "reset")
+    return fmt::format("run {:016x} ends with step {}, a new one starts", static_cast<uint64_t>(reply.run),
+                       reply.step);
   if (action.verb == "step") return fmt::format("{} steps from step {}", action.values[0], reply.step);
   return fmt::format("{} accepted, from step {}", action.verb, reply.step);
 }

@@ -22,8 +22,8 @@ bool names_joints(std::span<const std::string> words);
 /// `goal`: a configuration; `duration` in s, 0 = as fast as planner.speed of the speed limits allows. With names, the
 /// others keep their value in `current`; `followers` says which joint follows which (they take no goals). Throws UsageError.
 Action goal(std::span<const std::string> words, double duration);
-Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints, const std::vector<double>& current,
-            const std::map<std::string, std::string>& followers = {});
+Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints,
+            const std::vector<double>& current, const std::map<std::string, std::string>& followers = {});
 
 /// Where a frame shall be in the world, as typed: "x,y,z" in m; "roll,pitch,yaw" in rad or "x,y,z,w", or neither when any
 /// orientation will do.

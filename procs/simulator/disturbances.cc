@@ -26,21 +26,27 @@ std::vector<SoftStop> make_stops(const Experiment& e, const rbd::Model& model) {
     const int q = joint.idx_q(), v = joint.idx_v();
     if (joint.nv() != 1) continue;
     if (damping[v] > 0 && stiffness[v] == 0)
-      fail(e, key + ".damping", "joint '" + model.names[j] + "' has a damper but no spring; give stiffness too");
+      fail(e, key + ".damping",
+           "joint '" + model.names[j] + "' has a damper but no spring; give stiffness too");
     if (stiffness[v] == 0) continue;
     const double low = model.lowerPositionLimit[q], high = model.upperPositionLimit[q];
     if (!std::isfinite(low) && !std::isfinite(high)) continue;
-    if (!(margin[v] > 0)) fail(e, key + ".margin", "is 0 for joint '" + model.names[j] + "'; the spring needs some way, for example 0.1");
+    if (!(margin[v] > 0))
+      fail(e, key + ".margin",
+           "is 0 for joint '" + model.names[j] + "'; the spring needs some way, for example 0.1");
     if (2 * margin[v] > high - low)
       fail(e, key + ".margin",
-           number(margin[v]) + " is more than half of the way that joint '" + model.names[j] + "' has (" + number(low) + " .. " + number(high) + ")");
+           number(margin[v]) + " is more than half of the way that joint '" + model.names[j] + "' has (" +
+               number(low) + " .. " + number(high) + ")");
     stops.push_back({q, v, low + margin[v], high - margin[v], margin[v], stiffness[v], damping[v]});
   }
   return stops;
 }
 
 /// A vector as people write it.
-std::string text(const Eigen::Vector3d& x) { return "[" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + "]"; }
+std::string text(const Eigen::Vector3d& x) {
+  return "[" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + "]";
+}
 
 /// In place of what the frame carried.
 void carry(const rbd::Model& nominal, const Payload& payload, Load& load) {
@@ -50,7 +56,8 @@ void carry(const rbd::Model& nominal, const Payload& payload, Load& load) {
   rbd::Inertia inertia = nominal.inertias[joint];
   for (const Payload& other : load.payloads) {
     const rbd::Frame& frame = nominal.frames[other.frame];
-    if (frame.parentJoint == joint) inertia += rbd::Inertia(other.mass, frame.placement.act(other.com), Eigen::Matrix3d::Zero());
+    if (frame.parentJoint == joint)
+      inertia += rbd::Inertia(other.mass, frame.placement.act(other.com), Eigen::Matrix3d::Zero());
   }
   load.model.setInertia(joint, inertia);
 }
@@ -68,31 +75,40 @@ Disturbances make_disturbances(const Experiment& e, const rbd::Model& model) {
     const PlannedPush& push = e.simulator.pushes[i];
     const std::string key = "simulator.pushes[" + std::to_string(i) + "]";
     Push what{frame_of(key, push.frame), {}, std::llround(push.duration / dt)};
-    if (what.steps < 1) fail(e, key + ".duration", number(push.duration) + " s is less than one step of " + number(dt) + " s");
-    what.wrench << push.torque[0], push.torque[1], push.torque[2], push.force[0], push.force[1], push.force[2];
+    if (what.steps < 1)
+      fail(e, key + ".duration", number(push.duration) + " s is less than one step of " + number(dt) + " s");
+    what.wrench << push.torque[0], push.torque[1], push.torque[2], push.force[0], push.force[1],
+        push.force[2];
     out.pushes.push_back({std::llround(push.time / dt), what});
   }
   for (size_t i = 0; i < e.simulator.payloads.size(); ++i) {
     const PlannedPayload& payload = e.simulator.payloads[i];
     const std::string key = "simulator.payloads[" + std::to_string(i) + "]";
-    out.payloads.push_back({std::llround(payload.time / dt), {frame_of(key, payload.frame), payload.mass, {payload.com[0], payload.com[1], payload.com[2]}}});
+    out.payloads.push_back(
+        {std::llround(payload.time / dt),
+         {frame_of(key, payload.frame), payload.mass, {payload.com[0], payload.com[1], payload.com[2]}}});
   }
   sort_by_time(out.pushes), sort_by_time(out.payloads);
   out.stops = make_stops(e, model);
   return out;
 }
 
-void begin_step(const Disturbances& planned, const rbd::Model& nominal, int64_t step, Load& load, std::vector<Event>& events) {
-  for (; load.next_push < planned.pushes.size() && planned.pushes[load.next_push].from == step; ++load.next_push) {
+void begin_step(const Disturbances& planned, const rbd::Model& nominal, int64_t step, Load& load,
+                std::vector<Event>& events) {
+  for (; load.next_push < planned.pushes.size() && planned.pushes[load.next_push].from == step;
+       ++load.next_push) {
     const Push& push = planned.pushes[load.next_push].what;
     load.pushes.push_back(push);
     events.push_back({"push", nominal.frames[push.frame].name,
-                      "force " + text(push.wrench.tail<3>()) + " N, torque " + text(push.wrench.head<3>()) + " Nm for " + std::to_string(push.steps) + " steps"});
+                      "force " + text(push.wrench.tail<3>()) + " N, torque " + text(push.wrench.head<3>()) +
+                          " Nm for " + std::to_string(push.steps) + " steps"});
   }
-  for (; load.next_payload < planned.payloads.size() && planned.payloads[load.next_payload].from == step; ++load.next_payload) {
+  for (; load.next_payload < planned.payloads.size() && planned.payloads[load.next_payload].from == step;
+       ++load.next_payload) {
     const Payload& payload = planned.payloads[load.next_payload].what;
     carry(nominal, payload, load);
-    events.push_back({"payload", nominal.frames[payload.frame].name, number(payload.mass) + " kg at " + text(payload.com) + " m"});
+    events.push_back({"payload", nominal.frames[payload.frame].name,
+                      number(payload.mass) + " kg at " + text(payload.com) + " m"});
   }
 }
 
@@ -116,9 +132,11 @@ void end_step(Load& load) {
   std::erase_if(load.pushes, [](Push& push) { return --push.steps <= 0; });
 }
 
-void add_stops(const std::vector<SoftStop>& stops, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& effort) {
+void add_stops(const std::vector<SoftStop>& stops, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+               Eigen::VectorXd& effort) {
   for (const SoftStop& stop : stops)
-    if (const double x = stop.depth(q[stop.q]); x != 0) effort[stop.v] -= stop.stiffness * x + stop.damping * std::abs(x) / stop.margin * v[stop.v];
+    if (const double x = stop.depth(q[stop.q]); x != 0)
+      effort[stop.v] -= stop.stiffness * x + stop.damping * std::abs(x) / stop.margin * v[stop.v];
 }
 
 }  // namespace lab::simulator

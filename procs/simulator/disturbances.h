@@ -30,7 +30,9 @@ struct Payload {
 struct SoftStop {
   int q = 0, v = 0;  ///< the joint's places
   double low = 0, high = 0, margin = 0, stiffness = 0, damping = 0;
-  double depth(double position) const { return position > high ? position - high : position < low ? position - low : 0; }
+  double depth(double position) const {
+    return position > high ? position - high : position < low ? position - low : 0;
+  }
 };
 
 /// All that an experiment plans. `from`: the state from which on it acts.
@@ -65,6 +67,7 @@ std::string take(const Action&, const rbd::Model& nominal, double dt, Load&);
 void end_step(Load&);
 
 /// Adds the soft stops' efforts.
-void add_stops(const std::vector<SoftStop>&, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& effort);
+void add_stops(const std::vector<SoftStop>&, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+               Eigen::VectorXd& effort);
 
 }  // namespace lab::simulator

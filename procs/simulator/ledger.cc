@@ -21,11 +21,13 @@ Eigen::Index difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 }
 
 void require_same(const RobotState& logged, const RobotState& folded) {
-  const std::pair<const char*, Eigen::VectorXd RobotState::*> parts[] = {{"q", &RobotState::q}, {"v", &RobotState::v}, {"tau", &RobotState::tau}};
+  const std::pair<const char*, Eigen::VectorXd RobotState::*> parts[] = {
+      {"q", &RobotState::q}, {"v", &RobotState::v}, {"tau", &RobotState::tau}};
   for (const auto& [name, part] : parts)
     if (const Eigen::Index i = difference(logged.*part, folded.*part); i >= 0)
-      throw std::runtime_error("the log does not follow from its own commands: at step " + std::to_string(logged.step) + " " + name + "[" +
-                               std::to_string(i) + "] is " + number((logged.*part)[i]) + ", folded " + number((folded.*part)[i]) +
+      throw std::runtime_error("the log does not follow from its own commands: at step " +
+                               std::to_string(logged.step) + " " + name + "[" + std::to_string(i) + "] is " +
+                               number((logged.*part)[i]) + ", folded " + number((folded.*part)[i]) +
                                "; was it made by another version, or on another kind of CPU?");
 }
 
@@ -42,7 +44,9 @@ struct View {
   explicit View(const rbd::Model& m) : model(m), data(m) {}
   void look(const RobotState& s) { rbd::forwardKinematics(model, data, s.q, s.v); }
   const rbd::SE3& pose(rbd::FrameIndex frame) { return rbd::updateFramePlacement(model, data, frame); }
-  rbd::Motion velocity(rbd::FrameIndex frame) { return rbd::getFrameVelocity(model, data, frame, rbd::LOCAL_WORLD_ALIGNED); }
+  rbd::Motion velocity(rbd::FrameIndex frame) {
+    return rbd::getFrameVelocity(model, data, frame, rbd::LOCAL_WORLD_ALIGNED);
+  }
 };
 
 double energy_carried(View& now, const Load& load) {
@@ -50,7 +54,8 @@ double energy_carried(View& now, const Load& load) {
   for (const Payload& payload : load.payloads) {
     const rbd::SE3 pose = now.pose(payload.frame);
     const rbd::Motion frame = now.velocity(payload.frame);
-    const Eigen::Vector3d arm = pose.rotation() * payload.com, v = frame.linear() + frame.angular().cross(arm);
+    const Eigen::Vector3d arm = pose.rotation() * payload.com,
+                          v = frame.linear() + frame.angular().cross(arm);
     sum += payload.mass * (0.5 * v.dot(v) - now.model.gravity.linear().dot(pose.translation() + arm));
   }
   return sum;
@@ -67,7 +72,8 @@ double energy_in_stops(const std::vector<SoftStop>& stops, const RobotState& s) 
 
 double lost_in_stops(const std::vector<SoftStop>& stops, const RobotState& s) {
   double power = 0;
-  for (const SoftStop& stop : stops) power += stop.damping * std::abs(stop.depth(s.q[stop.q])) / stop.margin * s.v[stop.v] * s.v[stop.v];
+  for (const SoftStop& stop : stops)
+    power += stop.damping * std::abs(stop.depth(s.q[stop.q])) / stop.margin * s.v[stop.v] * s.v[stop.v];
   return power;
 }
 
@@ -82,19 +88,28 @@ bool disturbed(const Config& config, const Told& told) {
 
 }  // namespace
 
-std::vector<RobotState> true_states(const Config& config, std::span<const RobotState> logged, const Told& told) {
+std::vector<RobotState> true_states(const Config& config, std::span<const RobotState> logged,
+                                    const Told& told) {
   std::vector<RobotState> truth;
   truth.reserve(logged.size());
   State state = initial(config);
   for (const RobotState& seen : logged) {
     const int64_t step_number = static_cast<int64_t>(truth.size());
-    if (seen.step != step_number) throw std::runtime_error("step " + std::to_string(step_number) + " is not in the log; the true states need every step");
+    if (seen.step != step_number)
+      throw std::runtime_error("step " + std::to_string(step_number) +
+                               " is not in the log; the true states need every step");
     if (step_number == 0) {
       require_same(seen, sensed(config, state));
     } else {
       const std::vector<Action>* actions = at_step(told.actions, step_number);
-      const Output out = step(config, state, {.command = at_step(told.commands, step_number), .actions = actions ? std::span<const Action>(*actions) : std::span<const Action>()});
-      if (out.abort) throw std::runtime_error("the log does not follow from its own commands: folded, the run ends before step " + std::to_string(step_number));
+      const Output out =
+          step(config, state,
+               {.command = at_step(told.commands, step_number),
+                .actions = actions ? std::span<const Action>(*actions) : std::span<const Action>()});
+      if (out.abort)
+        throw std::runtime_error(
+            "the log does not follow from its own commands: folded, the run ends before step " +
+            std::to_string(step_number));
       require_same(seen, out.state);
     }
     truth.push_back(state.robot);
@@ -121,14 +136,17 @@ Ledger ledger(const Config& config, std::span<const RobotState> states, const To
     begin_step(config.disturbances, config.model, states[k].step, load, unsaid);
     if (const auto* actions = at_step(told.actions, states[k + 1].step))
       for (const Action& action : *actions)
-        if (is_for(action, "simulator") && (action.verb == "push" || action.verb == "payload")) take(action, config.model, config.dt, load);
+        if (is_for(action, "simulator") && (action.verb == "push" || action.verb == "payload"))
+          take(action, config.model, config.dt, load);
     double& work = out.work[k + 1];
     work = energy_carried(before, load) - carried;
     work -= 0.5 * config.dt * (lost_in_stops(stops, states[k]) + lost_in_stops(stops, states[k + 1]));
     if (!load.pushes.empty()) after.look(states[k + 1]);
     for (const Push& push : load.pushes) {
-      const Eigen::Vector3d way = after.pose(push.frame).translation() - before.pose(push.frame).translation();
-      const Eigen::Vector3d turn = 0.5 * config.dt * (before.velocity(push.frame).angular() + after.velocity(push.frame).angular());
+      const Eigen::Vector3d way =
+          after.pose(push.frame).translation() - before.pose(push.frame).translation();
+      const Eigen::Vector3d turn =
+          0.5 * config.dt * (before.velocity(push.frame).angular() + after.velocity(push.frame).angular());
       work += push.wrench.tail<3>().dot(way) + push.wrench.head<3>().dot(turn);
     }
     end_step(load);

@@ -22,7 +22,8 @@ std::vector<RobotState> true_states(const Config&, std::span<const RobotState> l
 /// The energy that the nominal robot's own figures do not show, one entry a state; empty when there is none.
 struct Ledger {
   std::vector<double> stored;  ///< J: in what the robot carries, and in its soft stops
-  std::vector<double> work;    ///< J, over the step that led here: of pushes, brought by new payloads, less what the stops took
+  std::vector<double>
+      work;  ///< J, over the step that led here: of pushes, brought by new payloads, less what the stops took
 };
 /// `states` are the true ones, from step 0 on, without gaps (else the ledger is empty). Work of a torque and losses by
 /// the trapezoidal rule, all else exact.

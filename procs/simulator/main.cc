@@ -8,10 +8,16 @@
 #include "procs/wire/lateness.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"The simulator of a lab: publishes RUN, waits for the other processes, and leads the run step by step.", "lab-simulator"};
+  CLI::App app{
+      "The simulator of a lab: publishes RUN, waits for the other processes, and leads the run step by step.",
+      "lab-simulator"};
   app.footer("example: lab-simulator --experiment runs/latest/experiment.yaml");
-  lab::ParticipantOptions options{.name = lab::kSimulator, .url = "", .prefix = "", .channels = {lab::Channel::Reference, lab::Channel::Command, lab::Channel::Event, lab::Channel::Ack,
-                                                            lab::Channel::Need, lab::Channel::Process, lab::Channel::Request}};
+  lab::ParticipantOptions options{
+      .name = lab::kSimulator,
+      .url = "",
+      .prefix = "",
+      .channels = {lab::Channel::Reference, lab::Channel::Command, lab::Channel::Event, lab::Channel::Ack,
+                   lab::Channel::Need, lab::Channel::Process, lab::Channel::Request}};
   std::string experiment_file, run_dir;
   app.add_option("--experiment", experiment_file, "YAML file (default: the run folder's experiment.yaml)");
   app.add_option("--run-dir", run_dir, "the run's folder")->envname("LAB_RUN_DIR");
@@ -23,18 +29,22 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
   }
   return lab::guarded_main("lab-simulator", [&] {
-    if (experiment_file.empty()) experiment_file = run_dir.empty() ? "experiment.yaml" : run_dir + "/experiment.yaml";
+    if (experiment_file.empty())
+      experiment_file = run_dir.empty() ? "experiment.yaml" : run_dir + "/experiment.yaml";
     const lab::Experiment experiment = lab::load_experiment(experiment_file);
     const lab::Robot robot = lab::load_robot(experiment);
     lab::Participant participant(options);
-    const auto role = lab::simulator::make_role(experiment, robot, lab::launch_nonce(), participant.publish());
+    const auto role =
+        lab::simulator::make_role(experiment, robot, lab::launch_nonce(), participant.publish());
     int code = participant.run(*role);
     if (code == lab::kOk && role->again()) code = lab::kAgain;
     const double seconds = static_cast<double>(role->running_time()) * 1e-6;
     if (role->step() > 0 && seconds > 0)
-      fmt::print("{} steps in {:.6f} s, {:.0f} steps/s\n", role->step(), seconds, static_cast<double>(role->step()) / seconds);
+      fmt::print("{} steps in {:.6f} s, {:.0f} steps/s\n", role->step(), seconds,
+                 static_cast<double>(role->step()) / seconds);
     if (const lab::Lateness* late = role->lateness(); late && late->ticks() > 0)
-      fmt::print("ticks late by {} us (p50), {} us (p99), {} us at most; {} overruns\n", late->quantile(0.5), late->quantile(0.99), late->longest(), role->overruns());
+      fmt::print("ticks late by {} us (p50), {} us (p99), {} us at most; {} overruns\n", late->quantile(0.5),
+                 late->quantile(0.99), late->longest(), role->overruns());
     return code;
   });
 }

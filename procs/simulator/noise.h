@@ -21,7 +21,8 @@ constexpr uint64_t mix(uint64_t x) {
 inline double gaussian(int64_t seed, int64_t step, int joint, NoiseKind kind) {
   constexpr double kTiny = 0x1p-53;
   const uint64_t of_step = mix(mix(static_cast<uint64_t>(seed)) ^ static_cast<uint64_t>(step));
-  const uint64_t key = mix(mix(of_step ^ static_cast<uint64_t>(joint)) ^ static_cast<uint64_t>(kind)), next = mix(key);
+  const uint64_t key = mix(mix(of_step ^ static_cast<uint64_t>(joint)) ^ static_cast<uint64_t>(kind)),
+                 next = mix(key);
   const double a = kTiny * static_cast<double>((key >> 11) + 1);  // (0, 1]
   const double b = kTiny * static_cast<double>(next >> 11);       // [0, 1)
   return std::sqrt(-2 * std::log(a)) * std::cos(2 * std::numbers::pi * b);

@@ -10,19 +10,24 @@
 
 namespace lab::simulator {
 
-std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce, Publish publish) {
+std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce,
+                                  Publish publish) {
   struct Part {
     Config config;
     State state;
   };
   const Config plant = make_config(experiment, robot.model);
   auto part = std::make_shared<Part>(Part{plant, initial(plant)});
-  const AdvanceStep advance = [part](int64_t step_number, const Command* command, std::span<const Action> actions) {
-    if (step_number == 0) return Advance{sensed(part->config, part->state), {}, "", safety::name(part->state.safety.mode)};
+  const AdvanceStep advance = [part](int64_t step_number, const Command* command,
+                                     std::span<const Action> actions) {
+    if (step_number == 0)
+      return Advance{sensed(part->config, part->state), {}, "", safety::name(part->state.safety.mode)};
     Output output = step(part->config, part->state, {command, actions});
     std::string abort;
-    if (output.abort) abort = output.events.back().what + ": " + output.events.back().who + ": " + output.events.back().why;
-    return Advance{std::move(output.state), std::move(output.events), std::move(abort), safety::name(output.mode)};
+    if (output.abort)
+      abort = output.events.back().what + ": " + output.events.back().who + ": " + output.events.back().why;
+    return Advance{std::move(output.state), std::move(output.events), std::move(abort),
+                   safety::name(output.mode)};
   };
 
   const run_t run = make_run(experiment, robot);
@@ -32,14 +37,19 @@ std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& rob
   config.nq = run.nq, config.nv = run.nv;
   config.dt = experiment.simulator.dt, config.last_step = experiment.last_step();
   config.every = experiment.controller.every, config.lead = experiment.planner.lead;
-  config.deadline = std::llround(experiment.deadline * 1e6), config.ready_deadline = std::llround(experiment.ready * 1e6);
-  config.why_not = [experiment, model = robot.model](const Action& action) { return why_not(experiment, model, action); };
+  config.deadline = std::llround(experiment.deadline * 1e6),
+  config.ready_deadline = std::llround(experiment.ready * 1e6);
+  config.why_not = [experiment, model = robot.model](const Action& action) {
+    return why_not(experiment, model, action);
+  };
   if (experiment.simulator.clock == "realtime") {
-    if (nonce == 0) config.no_reset = "this simulator has no supervisor (scripts/lab up) that would start the next run";
+    if (nonce == 0)
+      config.no_reset = "this simulator has no supervisor (scripts/lab up) that would start the next run";
     config.wall_offset = wall_now() - monotonic_now();
     return std::make_unique<Ticker>(std::move(config), advance, std::move(publish));
   }
-  config.no_reset = "in lockstep a run is not reset, it would only be the same again: end it and start another";
+  config.no_reset =
+      "in lockstep a run is not reset, it would only be the same again: end it and start another";
   return std::make_unique<Sequencer>(std::move(config), advance, std::move(publish));
 }
 

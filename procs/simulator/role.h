@@ -8,6 +8,7 @@
 namespace lab::simulator {
 
 /// The simulator's step as the leader of a run, by the clock that the experiment asks for. Throws ExperimentError.
-std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce, Publish publish);
+std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce,
+                                  Publish publish);
 
 }  // namespace lab::simulator

@@ -48,24 +48,29 @@ Mode step(const Config& config, State& state, const Input& input, std::vector<Ev
     run(state, "first command", events);
   } else if (state.mode == Mode::Running && stale) {
     hold(config, state);
-    events.push_back({"holding", "controller", "no fresh command for " + std::to_string(config.timeout) +
-                                                   " steps; the last was made from step " + std::to_string(state.newest)});
+    events.push_back({"holding", "controller",
+                      "no fresh command for " + std::to_string(config.timeout) +
+                          " steps; the last was made from step " + std::to_string(state.newest)});
   } else if (state.mode == Mode::Holding && state.armed && state.proven >= config.prove) {
     run(state, std::to_string(config.prove) + " fresh commands in a row", events);
   }
   return state.mode;
 }
 
-void trip(const Config& config, State& state, const std::string& who, const std::string& why, std::vector<Event>& events) {
+void trip(const Config& config, State& state, const std::string& who, const std::string& why,
+          std::vector<Event>& events) {
   hold(config, state);
   events.push_back({"holding", who, why});
 }
 
 const char* name(Mode mode) {
   switch (mode) {
-    case Mode::Running: return "RUNNING";
-    case Mode::Stopped: return "FAULT";
-    default: return "HOLDING";
+    case Mode::Running:
+      return "RUNNING";
+    case Mode::Stopped:
+      return "FAULT";
+    default:
+      return "HOLDING";
   }
 }
 

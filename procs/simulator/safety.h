@@ -18,20 +18,23 @@ enum class Mode {
 };
 
 struct Config {
-  int64_t timeout = 0;      ///< steps after which a command is stale; 0 = no watchdog: lockstep waits for every command
-  bool manual = false;      ///< only a person ends Holding
-  int64_t prove = 20;       ///< fresh commands in a row that end Holding
+  int64_t timeout =
+      0;  ///< steps after which a command is stale; 0 = no watchdog: lockstep waits for every command
+  bool manual = false;  ///< only a person ends Holding
+  int64_t prove = 20;   ///< fresh commands in a row that end Holding
 };
 
 struct State {
   Mode mode = Mode::Waiting;
-  bool armed = true;         ///< Holding may end by itself
-  int64_t newest = -1;       ///< state that the newest fresh command was made from
-  int64_t proven = 0;        ///< fresh commands in a row
+  bool armed = true;    ///< Holding may end by itself
+  int64_t newest = -1;  ///< state that the newest fresh command was made from
+  int64_t proven = 0;   ///< fresh commands in a row
 };
 
 /// Without a watchdog every command is waited for, so the robot runs from the start.
-inline State initial(const Config& config) { return {.mode = config.timeout > 0 ? Mode::Waiting : Mode::Running}; }
+inline State initial(const Config& config) {
+  return {.mode = config.timeout > 0 ? Mode::Waiting : Mode::Running};
+}
 
 struct Input {
   int64_t step = 0;                     ///< that the effort leads to

@@ -18,7 +18,9 @@ Sensors make_sensors(const Experiment& e, const rbd::Model& model) {
   out.seed = e.seed;
   out.delay = std::llround(e.simulator.delay / e.simulator.dt);
   if (out.delay > kLongestDelay)
-    fail(e, "simulator.delay", number(e.simulator.delay) + " s are " + std::to_string(out.delay) + " steps; give at most " + std::to_string(kLongestDelay));
+    fail(e, "simulator.delay",
+         number(e.simulator.delay) + " s are " + std::to_string(out.delay) + " steps; give at most " +
+             std::to_string(kLongestDelay));
   const Eigen::VectorXd q = joint_vector(e, "simulator.noise.q", e.simulator.noise.q, model, 0),
                         v = joint_vector(e, "simulator.noise.v", e.simulator.noise.v, model, 0);
   for (int j = 1; j < model.njoints; ++j) {
@@ -27,16 +29,20 @@ Sensors make_sensors(const Experiment& e, const rbd::Model& model) {
       if (q[i] == 0 && v[i] == 0) continue;
       if (joint.nv() > 1)
         fail(e, q[i] != 0 ? "simulator.noise.q" : "simulator.noise.v",
-             "joint '" + model.names[j] + "' has several degrees of freedom and is seen without noise; leave it out or give 0");
+             "joint '" + model.names[j] +
+                 "' has several degrees of freedom and is seen without noise; leave it out or give 0");
       out.noisy.push_back({j, joint.idx_q(), i, q[i], v[i]});
     }
   }
   if (!out.perfect() && e.logger.every != 1)
-    fail(e, "logger.every", "is " + std::to_string(e.logger.every) + ", but with noise or delay the true states can only be found from every step; give 1");
+    fail(e, "logger.every",
+         "is " + std::to_string(e.logger.every) +
+             ", but with noise or delay the true states can only be found from every step; give 1");
   return out;
 }
 
-Memory::Memory(const Sensors& sensors, const RobotState& first) : ring(static_cast<size_t>(sensors.delay + 1), {first.q, first.v}) {}
+Memory::Memory(const Sensors& sensors, const RobotState& first)
+    : ring(static_cast<size_t>(sensors.delay + 1), {first.q, first.v}) {}
 
 void Memory::keep(const RobotState& truth) {
   Moment& place = ring[static_cast<size_t>(truth.step) % ring.size()];
@@ -45,12 +51,15 @@ void Memory::keep(const RobotState& truth) {
 
 RobotState sense(const Sensors& sensors, const Memory& memory, const RobotState& truth) {
   if (sensors.perfect()) return truth;
-  const Memory::Moment& seen = memory.ring[static_cast<size_t>(std::max<int64_t>(truth.step - sensors.delay, 0)) % memory.ring.size()];
+  const Memory::Moment& seen =
+      memory.ring[static_cast<size_t>(std::max<int64_t>(truth.step - sensors.delay, 0)) % memory.ring.size()];
   RobotState out = truth;
   out.q = seen.q, out.v = seen.v;
   for (const Sensors::Noisy& joint : sensors.noisy) {
-    out.q[joint.q] += joint.q_deviation * gaussian(sensors.seed, truth.step, joint.joint, NoiseKind::Position);
-    out.v[joint.v] += joint.v_deviation * gaussian(sensors.seed, truth.step, joint.joint, NoiseKind::Velocity);
+    out.q[joint.q] +=
+        joint.q_deviation * gaussian(sensors.seed, truth.step, joint.joint, NoiseKind::Position);
+    out.v[joint.v] +=
+        joint.v_deviation * gaussian(sensors.seed, truth.step, joint.joint, NoiseKind::Velocity);
   }
   return out;
 }

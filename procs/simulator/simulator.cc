@@ -155,7 +155,8 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   if (e.simulator.clock == "realtime") {
     config.safety.timeout = static_cast<int64_t>(std::floor(e.safety.timeout / config.dt + 1e-9));
     if (config.safety.timeout < 2)
-      fail(e, "safety.timeout", number(e.safety.timeout) + " s, needed at least 2 steps of " + number(config.dt) + " s");
+      fail(e, "safety.timeout",
+           number(e.safety.timeout) + " s, needed at least 2 steps of " + number(config.dt) + " s");
   }
   config.safety.manual = e.safety.rearm == "manual";
   config.hold_gravity = e.safety.hold == "gravity";
@@ -186,7 +187,9 @@ State::State(const Config& config)
 
 State initial(const Config& config) { return State(config); }
 
-RobotState sensed(const Config& config, const State& state) { return sense(config.sensors, state.memory, state.robot); }
+RobotState sensed(const Config& config, const State& state) {
+  return sense(config.sensors, state.memory, state.robot);
+}
 
 Output step(const Config& config, State& state, const Input& input) {
   Output output;
@@ -195,10 +198,14 @@ Output step(const Config& config, State& state, const Input& input) {
   for (const Action& action : input.actions) {
     if (!is_for(action, "simulator")) continue;
     std::string why_not;
-    if (action.verb == "estop") said.estop = true;
-    else if (action.verb == "rearm") said.rearm = true;
-    else if (action.verb == "push" || action.verb == "payload") why_not = take(action, config.model, config.dt, state.load);
-    else why_not = "the simulator has no such action";
+    if (action.verb == "estop")
+      said.estop = true;
+    else if (action.verb == "rearm")
+      said.rearm = true;
+    else if (action.verb == "push" || action.verb == "payload")
+      why_not = take(action, config.model, config.dt, state.load);
+    else
+      why_not = "the simulator has no such action";
     if (!why_not.empty()) output.events.push_back(ignored(action, "simulator", why_not));
   }
   if (input.command && safety::fresh(config.safety, state.safety, said.step, input.command->state_step) &&
@@ -211,13 +218,17 @@ Output step(const Config& config, State& state, const Input& input) {
   output.mode = safety::step(config.safety, state.safety, said, output.events);
   Event fault;
   try {
-    if (output.mode == safety::Mode::Running) state.applied = state.effort;
-    else hold(config, state);
+    if (output.mode == safety::Mode::Running)
+      state.applied = state.effort;
+    else
+      hold(config, state);
     integrate(config, state);
     const bool guarded = config.safety.timeout > 0 && output.mode == safety::Mode::Running;
     if (const int i = guarded ? too_fast(config, state) : -1; i >= 0) {
-      safety::trip(config.safety, state.safety, joint_at(config.model, i),
-                   "v would be " + number(state.v[i]) + ", bound " + number(config.model.upperVelocityLimit[i]), output.events);
+      safety::trip(
+          config.safety, state.safety, joint_at(config.model, i),
+          "v would be " + number(state.v[i]) + ", bound " + number(config.model.upperVelocityLimit[i]),
+          output.events);
       output.mode = state.safety.mode;
       hold(config, state);
       integrate(config, state);

@@ -24,7 +24,8 @@ RobotState received(RobotState state, double dt) {
 std::string fault_of(const Command& command) {
   for (Eigen::Index i = 0; i < command.tau.size(); ++i)
     if (!std::isfinite(command.tau[i]))
-      return fmt::format("the effort for step {} is not finite: tau[{}] is {}; nothing was sent", command.state_step, i, command.tau[i]);
+      return fmt::format("the effort for step {} is not finite: tau[{}] is {}; nothing was sent",
+                         command.state_step, i, command.tau[i]);
   return "";
 }
 
@@ -33,7 +34,8 @@ void thin_out(Run& run, int64_t every) {
   size_t kept = 0;
   for (size_t k = 0; k < run.states.size(); ++k) {
     if (run.states[k].step % every != 0 && k + 1 != run.states.size()) continue;
-    if (kept != k) run.states[kept] = std::move(run.states[k]), run.references[kept] = std::move(run.references[k]);
+    if (kept != k)
+      run.states[kept] = std::move(run.states[k]), run.references[kept] = std::move(run.references[k]);
     ++kept;
   }
   run.states.resize(kept), run.references.resize(kept);
@@ -41,7 +43,8 @@ void thin_out(Run& run, int64_t every) {
 
 }  // namespace
 
-std::optional<Run> run_direct(const Experiment& e, const Robot& robot, const std::function<bool()>& keep_going) {
+std::optional<Run> run_direct(const Experiment& e, const Robot& robot,
+                              const std::function<bool()>& keep_going) {
   const simulator::Config plant = simulator::make_config(e, robot.model);
   const planner::Config plan = planner::make_config(e, robot.model);
   const controller::Config control = controller::make_config(e, robot.model);
@@ -54,7 +57,8 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot, const std
   run.states.reserve(static_cast<size_t>(std::min<int64_t>(run.last_step + 1, 1 << 20)));
   run.references.reserve(run.states.capacity());
   const auto refer = [&](int64_t step, const RobotState* state) {
-    if (step <= run.last_step) run.references.push_back(planner::step(plan, plan_state, {.step = step, .state = state}).reference);
+    if (step <= run.last_step)
+      run.references.push_back(planner::step(plan, plan_state, {.step = step, .state = state}).reference);
   };
   const auto give_up = [&](std::string reason) { run.aborted = true, run.reason = std::move(reason); };
 
@@ -68,7 +72,9 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot, const std
     refer(k + lead, &seen);
     const bool due = k % every == 0;
     if (due) {
-      command = controller::step(control, control_state, {.state = seen, .reference = run.references[static_cast<size_t>(k)]}).command;
+      command = controller::step(control, control_state,
+                                 {.state = seen, .reference = run.references[static_cast<size_t>(k)]})
+                    .command;
       command.state_step = k;
       if (std::string fault = fault_of(command); !fault.empty()) give_up(std::move(fault));
     }

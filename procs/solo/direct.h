@@ -11,6 +11,7 @@ namespace lab::solo {
 /// log of such a run, bit for bit: the logged states and references, and why the run ended early. For when thousands of
 /// runs are wanted for their metrics alone. `keep_going` is asked now and then; when it says no, there is no result.
 /// Throws ExperimentError.
-std::optional<Run> run_direct(const Experiment& experiment, const Robot& robot, const std::function<bool()>& keep_going = {});
+std::optional<Run> run_direct(const Experiment& experiment, const Robot& robot,
+                              const std::function<bool()>& keep_going = {});
 
 }  // namespace lab::solo

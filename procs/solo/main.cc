@@ -9,7 +9,10 @@
 #include "procs/wire/interrupt.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Runs an experiment in one process, without a bus: log.lcm gets the same bytes as from separate processes.", "lab-solo"};
+  CLI::App app{
+      "Runs an experiment in one process, without a bus: log.lcm gets the same bytes as from separate "
+      "processes.",
+      "lab-solo"};
   app.footer("example: lab-solo experiments/cubic_pd.yaml --run-dir /tmp/run");
   std::string experiment_file, run_dir;
   std::vector<std::string> overrides;
@@ -25,11 +28,16 @@ int main(int argc, char** argv) {
     lab::heed_signals();
     const lab::Experiment experiment = lab::load_experiment(experiment_file, overrides);
     if (experiment.simulator.clock != "lockstep")
-      lab::fail(experiment, "simulator.clock", "is " + experiment.simulator.clock + "; in one process there is no bus to be late on: use lockstep");
+      lab::fail(experiment, "simulator.clock",
+                "is " + experiment.simulator.clock +
+                    "; in one process there is no bus to be late on: use lockstep");
     const lab::Robot robot = lab::load_robot(experiment);
     lab::logger::LogFiles files(run_dir);
-    const lab::Outcome outcome = lab::solo::run(experiment, robot, files, [](int64_t) { return !lab::interrupted; });
+    const lab::Outcome outcome =
+        lab::solo::run(experiment, robot, files, [](int64_t) { return !lab::interrupted; });
     if (!outcome.reason.empty()) fmt::print(stderr, "lab-solo: {}\n", outcome.reason);
-    return outcome.exit_code != lab::kOk ? outcome.exit_code : lab::interrupted ? 128 + lab::interrupted : lab::kOk;
+    return outcome.exit_code != lab::kOk ? outcome.exit_code
+           : lab::interrupted            ? 128 + lab::interrupted
+                                         : lab::kOk;
   });
 }

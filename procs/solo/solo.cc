@@ -22,7 +22,8 @@ Bytes ready(const char* name, int32_t pid, const Role& role) {
 
 }  // namespace
 
-Outcome run(const Experiment& experiment, const Robot& robot, LogSink& sink, const std::function<bool(int64_t)>& keep_going) {
+Outcome run(const Experiment& experiment, const Robot& robot, LogSink& sink,
+            const std::function<bool(int64_t)>& keep_going) {
   MemoryBus bus;
   const auto planner = planner::make_role({}, bus.publish());
   bus.add(*planner);

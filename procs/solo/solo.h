@@ -11,6 +11,7 @@ namespace lab::solo {
 /// Runs an experiment in one process and one thread: the same roles around the same steps as the separate processes,
 /// on a bus that is a queue. The sink gets the same bytes. `keep_going` is asked about every thousand messages; when
 /// it says no, the run ends gracefully. Throws ExperimentError.
-Outcome run(const Experiment& experiment, const Robot& robot, LogSink& sink, const std::function<bool(int64_t step)>& keep_going);
+Outcome run(const Experiment& experiment, const Robot& robot, LogSink& sink,
+            const std::function<bool(int64_t step)>& keep_going);
 
 }  // namespace lab::solo

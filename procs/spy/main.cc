@@ -42,7 +42,8 @@ void listen(Bus& bus, Micros span, const std::function<bool(const Datagram&)>& h
 
 void learn_from(Types& types, const Datagram& datagram) {
   const Type* type = types.of(datagram.channel, datagram.data);
-  if (type && type->name == "lab.type_t" && types.schema().check(*type, datagram.data).empty()) types.learn(decode<type_t>(datagram.data).source);
+  if (type && type->name == "lab.type_t" && types.schema().check(*type, datagram.data).empty())
+    types.learn(decode<type_t>(datagram.data).source);
 }
 
 std::string type_name(const Types& types, const Datagram& datagram) {
@@ -66,16 +67,21 @@ int list(const Options& options) {
   const Micros began = monotonic_now();
   listen(*bus, std::llround(options.seconds * 1e6), [&](const Datagram& datagram) {
     learn_from(types, datagram);
-    if (!options.channel.empty() && fnmatch(options.channel.c_str(), std::string(datagram.channel).c_str(), 0) != 0) return true;
+    if (!options.channel.empty() &&
+        fnmatch(options.channel.c_str(), std::string(datagram.channel).c_str(), 0) != 0)
+      return true;
     Seen& seen = channels[std::string(datagram.channel)];
     seen.type = type_name(types, datagram);
     seen.times.push_back(monotonic_now());
-    seen.bytes += static_cast<int64_t>(datagram.data.size()), seen.lost += datagram.lost_before, seen.senders.insert(datagram.sender);
+    seen.bytes += static_cast<int64_t>(datagram.data.size()), seen.lost += datagram.lost_before,
+        seen.senders.insert(datagram.sender);
     return true;
   });
   const double span = static_cast<double>(monotonic_now() - began) * 1e-6;
   ordered_json all = ordered_json::array();
-  if (!options.as_json) fmt::print("{:<24} {:<22} {:>8} {:>9} {:>10} {:>10} {:>10} {:>7} {:>5}\n", "channel", "type", "count", "hz", "bytes/s", "min ms", "max ms", "senders", "lost");
+  if (!options.as_json)
+    fmt::print("{:<24} {:<22} {:>8} {:>9} {:>10} {:>10} {:>10} {:>7} {:>5}\n", "channel", "type", "count",
+               "hz", "bytes/s", "min ms", "max ms", "senders", "lost");
   for (const auto& [name, seen] : channels) {
     Micros least = 0, most = 0;
     for (size_t i = 1; i < seen.times.size(); ++i) {
@@ -83,13 +89,23 @@ int list(const Options& options) {
       least = i == 1 ? gap : std::min(least, gap), most = std::max(most, gap);
     }
     const auto n = static_cast<double>(seen.times.size());
-    const double hz = seen.times.size() > 1 ? (n - 1) / (static_cast<double>(seen.times.back() - seen.times.front()) * 1e-6) : n / span;
+    const double hz = seen.times.size() > 1
+                          ? (n - 1) / (static_cast<double>(seen.times.back() - seen.times.front()) * 1e-6)
+                          : n / span;
     const double rate = static_cast<double>(seen.bytes) / span;
     if (options.as_json)
-      all.push_back({{"channel", name}, {"type", seen.type}, {"count", seen.times.size()}, {"hz", hz}, {"bytes_per_s", rate}, {"period_min_ms", static_cast<double>(least) * 1e-3},
-                     {"period_max_ms", static_cast<double>(most) * 1e-3}, {"senders", seen.senders.size()}, {"lost", seen.lost}});
+      all.push_back({{"channel", name},
+                     {"type", seen.type},
+                     {"count", seen.times.size()},
+                     {"hz", hz},
+                     {"bytes_per_s", rate},
+                     {"period_min_ms", static_cast<double>(least) * 1e-3},
+                     {"period_max_ms", static_cast<double>(most) * 1e-3},
+                     {"senders", seen.senders.size()},
+                     {"lost", seen.lost}});
     else
-      fmt::print("{:<24} {:<22} {:>8} {:>9.1f} {:>10.0f} {:>10.3f} {:>10.3f} {:>7} {:>5}\n", name, seen.type, seen.times.size(), hz, rate, static_cast<double>(least) * 1e-3,
+      fmt::print("{:<24} {:<22} {:>8} {:>9.1f} {:>10.0f} {:>10.3f} {:>10.3f} {:>7} {:>5}\n", name, seen.type,
+                 seen.times.size(), hz, rate, static_cast<double>(least) * 1e-3,
                  static_cast<double>(most) * 1e-3, seen.senders.size(), seen.lost);
   }
   if (options.as_json) fmt::print("{}\n", all.dump(2));
@@ -110,10 +126,19 @@ struct NoField : std::runtime_error {
 
 void show(const Options& options, const Types& types, const Datagram& datagram) {
   const Type* type = types.of(datagram.channel, datagram.data);
-  const std::string fault = type ? types.schema().check(*type, datagram.data, {.finite = false, .text = false}) : "unknown type " + type_name(types, datagram);
+  const std::string fault = type
+                                ? types.schema().check(*type, datagram.data, {.finite = false, .text = false})
+                                : "unknown type " + type_name(types, datagram);
   if (!fault.empty()) {
-    if (options.as_json) fmt::print("{}\n", ordered_json{{"channel", datagram.channel}, {"size", datagram.data.size()}, {"error", fault}, {"head", head_of(datagram.data)}}.dump());
-    else fmt::print("{} ({} bytes): {}: {}\n", datagram.channel, datagram.data.size(), fault, head_of(datagram.data));
+    if (options.as_json)
+      fmt::print("{}\n", ordered_json{{"channel", datagram.channel},
+                                      {"size", datagram.data.size()},
+                                      {"error", fault},
+                                      {"head", head_of(datagram.data)}}
+                             .dump());
+    else
+      fmt::print("{} ({} bytes): {}: {}\n", datagram.channel, datagram.data.size(), fault,
+                 head_of(datagram.data));
     return;
   }
   const Value value = types.schema().decode(*type, datagram.data);
@@ -122,17 +147,23 @@ void show(const Options& options, const Types& types, const Datagram& datagram) 
     ordered_json found;
     for (const std::string& field : options.fields) {
       const Value* part = value.at(field);
-      if (!part) throw NoField(fmt::format("{} has no '{}'; it has {}", type->name, field, [&] {
-        std::string names;
-        for (const Field& f : type->fields) names += (names.empty() ? "" : " ") + f.name;
-        return names;
-      }()));
+      if (!part)
+        throw NoField(fmt::format("{} has no '{}'; it has {}", type->name, field, [&] {
+          std::string names;
+          for (const Field& f : type->fields) names += (names.empty() ? "" : " ") + f.name;
+          return names;
+        }()));
       found[field] = to_json(*part);
       line += (line.empty() ? "" : " ") + to_json(*part).dump();
     }
     fmt::print("{}\n", options.as_json ? found.dump() : line);
   } else if (options.as_json) {
-    fmt::print("{}\n", ordered_json{{"channel", datagram.channel}, {"type", type->name}, {"size", datagram.data.size()}, {"utime_wall", wall_now()}, {"message", to_json(value)}}.dump());
+    fmt::print("{}\n", ordered_json{{"channel", datagram.channel},
+                                    {"type", type->name},
+                                    {"size", datagram.data.size()},
+                                    {"utime_wall", wall_now()},
+                                    {"message", to_json(value)}}
+                           .dump());
   } else {
     fmt::print("{} ({}, {} bytes)\n{}\n", datagram.channel, type->name, datagram.data.size(), to_text(value));
   }
@@ -152,7 +183,8 @@ int echo(const Options& options) {
   });
   if (interrupted) return 128 + interrupted;
   if (shown == 0 || (most > 0 && shown < most)) {
-    fmt::print(stderr, "lab-spy: {} on {} in {:g} s\n", shown == 0 ? "nothing" : "not enough", options.channel, options.timeout);
+    fmt::print(stderr, "lab-spy: {} on {} in {:g} s\n", shown == 0 ? "nothing" : "not enough",
+               options.channel, options.timeout);
     return 124;
   }
   return kOk;
@@ -177,19 +209,35 @@ int who(const Options& options) {
     return true;
   });
   ordered_json all = ordered_json::array();
-  if (!options.as_json) fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "name", "state", "pid", "step", "steps/s", "p50 us", "p99 us", "max us", "overruns");
+  if (!options.as_json)
+    fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "name", "state", "pid", "step",
+               "steps/s", "p50 us", "p99 us", "max us", "overruns");
   for (const auto& [key, life] : lives) {
     const process_t &a = life.first, &z = life.last;
     const double span = static_cast<double>(z.utime - a.utime) * 1e-6;
     const double rate = span > 0 ? static_cast<double>(z.step - a.step) / span : 0;
     const bool ticks = z.lateness_max > 0;
-    const float p50 = ticks ? z.lateness_p50 : z.loop_p50, p99 = ticks ? z.lateness_p99 : z.loop_p99, most = ticks ? z.lateness_max : z.loop_max;
+    const float p50 = ticks ? z.lateness_p50 : z.loop_p50, p99 = ticks ? z.lateness_p99 : z.loop_p99,
+                most = ticks ? z.lateness_max : z.loop_max;
     if (options.as_json)
-      all.push_back({{"name", z.name}, {"state", z.state}, {"pid", z.pid}, {"step", z.step}, {"rate", rate}, {"p50_us", p50}, {"p99_us", p99}, {"max_us", most}, {"overruns", z.overruns},
-                     {"lost", z.lost}, {"late", z.late}, {"rejected", z.rejected}, {"last_rejected", z.last_rejected}, {"run", fmt::format("{:016x}", static_cast<uint64_t>(z.run))},
+      all.push_back({{"name", z.name},
+                     {"state", z.state},
+                     {"pid", z.pid},
+                     {"step", z.step},
+                     {"rate", rate},
+                     {"p50_us", p50},
+                     {"p99_us", p99},
+                     {"max_us", most},
+                     {"overruns", z.overruns},
+                     {"lost", z.lost},
+                     {"late", z.late},
+                     {"rejected", z.rejected},
+                     {"last_rejected", z.last_rejected},
+                     {"run", fmt::format("{:016x}", static_cast<uint64_t>(z.run))},
                      {"model_hash", fmt::format("{:016x}", static_cast<uint64_t>(z.model_hash))}});
     else
-      fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9.0f} {:>8.0f} {:>8.0f} {:>8.0f} {:>9}\n", z.name, z.state, z.pid, z.step, rate, p50, p99, most, z.overruns);
+      fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9.0f} {:>8.0f} {:>8.0f} {:>8.0f} {:>9}\n", z.name, z.state,
+                 z.pid, z.step, rate, p50, p99, most, z.overruns);
   }
   if (options.as_json) fmt::print("{}\n", all.dump(2));
   return interrupted ? 128 + interrupted : kOk;
@@ -199,13 +247,18 @@ int run(int argc, char** argv) {
   CLI::App app{"Shows what is said on an LCM bus, decoded at run time.", "lab-spy"};
   app.require_subcommand(1);
   app.fallthrough();
-  app.footer("Types: the lab's own, those of --types, and those that TYPE messages bring.\nexample: lab-spy echo ROBOT_STATE --once");
+  app.footer(
+      "Types: the lab's own, those of --types, and those that TYPE messages bring.\nexample: lab-spy echo "
+      "ROBOT_STATE --once");
   Options options;
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--types", options.types, "folder with .lcm files");
   app.add_flag("--json", options.as_json, "print JSON");
-  const auto span = [&](CLI::App* verb) { verb->add_option("--for", options.seconds, "s to listen (default 1)")->check(CLI::PositiveNumber); };
-  CLI::App* list_verb = app.add_subcommand("list", "Lists the channels: type, count, rate, bytes, periods, senders, losses.");
+  const auto span = [&](CLI::App* verb) {
+    verb->add_option("--for", options.seconds, "s to listen (default 1)")->check(CLI::PositiveNumber);
+  };
+  CLI::App* list_verb =
+      app.add_subcommand("list", "Lists the channels: type, count, rate, bytes, periods, senders, losses.");
   span(list_verb), list_verb->footer("example: lab-spy list --for 2");
   CLI::App* hz_verb = app.add_subcommand("hz", "The same for some channels.");
   hz_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'");
@@ -214,10 +267,13 @@ int run(int argc, char** argv) {
   echo_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'")->required();
   echo_verb->add_flag("--once", options.once, "one message, then end");
   echo_verb->add_option("-n", options.count, "so many messages, then end")->check(CLI::PositiveNumber);
-  echo_verb->add_option("--field", options.fields, "only this value, such as q[0]; may be repeated")->allow_extra_args(false);
-  echo_verb->add_option("--timeout", options.timeout, "s, then end; 124 if nothing came")->check(CLI::PositiveNumber);
+  echo_verb->add_option("--field", options.fields, "only this value, such as q[0]; may be repeated")
+      ->allow_extra_args(false);
+  echo_verb->add_option("--timeout", options.timeout, "s, then end; 124 if nothing came")
+      ->check(CLI::PositiveNumber);
   echo_verb->footer("example: lab-spy echo ROBOT_STATE --field q[0] -n 10");
-  CLI::App* who_verb = app.add_subcommand("who", "Lists the processes that are alive, by their PROCESS messages.");
+  CLI::App* who_verb =
+      app.add_subcommand("who", "Lists the processes that are alive, by their PROCESS messages.");
   span(who_verb), who_verb->footer("example: lab-spy who --for 0.3");
   try {
     app.parse(argc, argv);

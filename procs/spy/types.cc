@@ -23,14 +23,18 @@ Types::Types(const std::string& folder) {
       std::stringstream text;
       text << std::ifstream(file).rdbuf();
       const Source source{file.string(), text.str()};
-      if (std::none_of(sources_.begin(), sources_.end(), [&](const Source& known) { return known.text == source.text; })) sources_.push_back(source);
+      if (std::none_of(sources_.begin(), sources_.end(),
+                       [&](const Source& known) { return known.text == source.text; }))
+        sources_.push_back(source);
     }
   }
   schema_.emplace(sources_);
 }
 
 void Types::learn(const std::string& source) {
-  if (std::any_of(sources_.begin(), sources_.end(), [&](const Source& known) { return known.text == source; })) return;
+  if (std::any_of(sources_.begin(), sources_.end(),
+                  [&](const Source& known) { return known.text == source; }))
+    return;
   sources_.push_back({"TYPE", source});
   try {
     schema_.emplace(sources_);
@@ -42,7 +46,8 @@ void Types::learn(const std::string& source) {
 
 const Type* Types::of(std::string_view channel, std::span<const uint8_t> bytes) const {
   if (const auto known = channel_of(channel))
-    if (const Type* type = schema_->find(row(*known).type); type && type->fingerprint == fingerprint(bytes)) return type;
+    if (const Type* type = schema_->find(row(*known).type); type && type->fingerprint == fingerprint(bytes))
+      return type;
   return schema_->find(fingerprint(bytes));
 }
 

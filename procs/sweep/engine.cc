@@ -14,7 +14,9 @@ namespace lab::sweep {
 
 namespace {
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 std::string duration(double seconds) {
   const auto s = static_cast<int64_t>(seconds + 0.5);
@@ -25,7 +27,11 @@ std::string duration(double seconds) {
 }  // namespace
 
 Progress::Progress(int64_t total, bool quiet)
-    : total_(total), quiet_(quiet), terminal_(isatty(STDERR_FILENO)), began_(now()), next_(terminal_ ? 0 : began_ + 10) {}
+    : total_(total),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO)),
+      began_(now()),
+      next_(terminal_ ? 0 : began_ + 10) {}
 
 Progress::~Progress() {
   if (shown_ && terminal_) fmt::print(stderr, "\r\x1b[K");
@@ -35,8 +41,10 @@ void Progress::show(int64_t done, int64_t fresh) {
   const double time = now();
   if (quiet_ || time < next_) return;
   next_ = time + (terminal_ ? 0.1 : 10);
-  const double left = fresh > 0 ? (time - began_) / static_cast<double>(fresh) * static_cast<double>(total_ - done) : 0;
-  const std::string text = fmt::format("{} of {}{}", done, total_, fresh > 0 ? ", " + duration(left) + " left" : "");
+  const double left =
+      fresh > 0 ? (time - began_) / static_cast<double>(fresh) * static_cast<double>(total_ - done) : 0;
+  const std::string text =
+      fmt::format("{} of {}{}", done, total_, fresh > 0 ? ", " + duration(left) + " left" : "");
   if (terminal_) {
     const auto full = static_cast<size_t>(30 * done / std::max<int64_t>(total_, 1));
     fmt::print(stderr, "\r\x1b[K[{}{}] {}", std::string(full, '#'), std::string(30 - full, '.'), text);
@@ -46,7 +54,8 @@ void Progress::show(int64_t done, int64_t fresh) {
   shown_ = true;
 }
 
-void work_through(Workbench& bench, Results& results, std::vector<Row>& rows, std::span<const int64_t> runs, int threads, bool run_missing, bool quiet) {
+void work_through(Workbench& bench, Results& results, std::vector<Row>& rows, std::span<const int64_t> runs,
+                  int threads, bool run_missing, bool quiet) {
   std::atomic<size_t> next{0};
   std::atomic<int64_t> done{0}, fresh{0};
   std::atomic<bool> failed{false};
@@ -97,7 +106,8 @@ void work_through(Workbench& bench, Results& results, std::vector<Row>& rows, st
   {
     Progress progress(static_cast<int64_t>(runs.size()), quiet);
     std::unique_lock guard(lock);
-    while (!ended.wait_for(guard, std::chrono::milliseconds(100), [&] { return alive == 0; })) progress.show(done, fresh);
+    while (!ended.wait_for(guard, std::chrono::milliseconds(100), [&] { return alive == 0; }))
+      progress.show(done, fresh);
   }
   for (std::thread& thread : crew) thread.join();
   if (fault) std::rethrow_exception(fault);

@@ -27,7 +27,8 @@ class Progress {
 /// Finds the result of each of these runs, into rows[run]; with `run_missing` runs those that have none, on so many
 /// threads. Values that cannot be run make a row that says so. Ends early when interrupted. Throws if results cannot
 /// be written.
-void work_through(Workbench&, Results&, std::vector<Row>& rows, std::span<const int64_t> runs, int threads, bool run_missing, bool quiet);
+void work_through(Workbench&, Results&, std::vector<Row>& rows, std::span<const int64_t> runs, int threads,
+                  bool run_missing, bool quiet);
 
 struct SlurmJob {
   std::string sweep_file, dir, name;

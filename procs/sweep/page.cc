@@ -18,7 +18,7 @@ namespace lab::sweep {
 namespace {
 
 constexpr double kLeft = 96, kTop = 16, kWidth = 500, kBottom = 48;  // px: margins of a plot and its inside
-constexpr size_t kNamed = 20;     // runs that went wrong, in the table
+constexpr size_t kNamed = 20;                                        // runs that went wrong, in the table
 constexpr size_t kTitled = 1000;  // cells of a map that say what they are; more make a heavy page
 
 /// What the runs of one place have in common.
@@ -36,9 +36,13 @@ struct Place {
   double mean() const { return sum / static_cast<double>(values); }
   std::string words(const std::string& where) const {
     std::string text = where + ": ";
-    if (values == 0) text += without == runs ? "no figures" : "no value";
-    else if (runs == 1) text += svg::label(mean());
-    else text += fmt::format("mean {} of {} runs ({} .. {})", svg::label(mean()), values, svg::label(least), svg::label(most));
+    if (values == 0)
+      text += without == runs ? "no figures" : "no value";
+    else if (runs == 1)
+      text += svg::label(mean());
+    else
+      text += fmt::format("mean {} of {} runs ({} .. {})", svg::label(mean()), values, svg::label(least),
+                          svg::label(most));
     if (without > 0 && without < runs) text += fmt::format(", {} without figures", without);
     return text;
   }
@@ -65,7 +69,8 @@ class Horizontal {
     scale_.emplace(numbers_, kLeft, kLeft + kWidth);
     std::sort(numbers_.begin(), numbers_.end());
     numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
-    for (size_t i = 1; i < numbers_.size(); ++i) few_ = few_ && scale_->at(numbers_[i]) - scale_->at(numbers_[i - 1]) > 44;
+    for (size_t i = 1; i < numbers_.size(); ++i)
+      few_ = few_ && scale_->at(numbers_[i]) - scale_->at(numbers_[i - 1]) > 44;
   }
   double at(const std::string& value) const {
     if (!numbers_.empty()) return scale_->at(*as_number(value));
@@ -73,12 +78,15 @@ class Horizontal {
     return kLeft + kWidth * (static_cast<double>(place) + 0.5) / static_cast<double>(values_.size());
   }
   std::string draw(double bottom, const std::string& name) const {
-    std::string out = svg::text(kLeft + kWidth / 2, bottom + 38, name + (scale_->logarithmic() ? " (log)" : ""));
+    std::string out =
+        svg::text(kLeft + kWidth / 2, bottom + 38, name + (scale_->logarithmic() ? " (log)" : ""));
     const auto mark = [&](double x, const std::string& words) {
       out += svg::line(x, bottom, x, bottom + 5, "frame") + svg::text(x, bottom + 19, words);
     };
-    if (numbers_.empty()) for (const std::string& value : values_) mark(at(value), value);
-    else for (double tick : few_ ? numbers_ : scale_->ticks()) mark(scale_->at(tick), svg::label(tick));
+    if (numbers_.empty())
+      for (const std::string& value : values_) mark(at(value), value);
+    else
+      for (double tick : few_ ? numbers_ : scale_->ticks()) mark(scale_->at(tick), svg::label(tick));
     return out;
   }
 
@@ -97,7 +105,8 @@ class Page {
     out_ = "<h1>Sweep " + report::escape(sweep_.name) + "</h1>\n";
     head();
     best();
-    const size_t plots = !sweep_.grid.empty() + sweep_.draws.size();  // of each metric; single ones stand side by side
+    const size_t plots =
+        !sweep_.grid.empty() + sweep_.draws.size();  // of each metric; single ones stand side by side
     out_ += plots == 1 ? "<div class=\"metrics\">\n" : "<div>\n";
     for (size_t m = 0; m < sweep_.metrics.size(); ++m) metric(m);
     out_ += "</div>\n";
@@ -108,20 +117,27 @@ class Page {
  private:
   void head() {
     const Counts counts = count(rows_);
-    out_ += fmt::format("<p>{} runs of <code>{}</code>: {} complete, {} ended early, {} could not be run.</p>\n<ul>\n", rows_.size(),
-                        report::escape(std::filesystem::path(sweep_.experiment).filename().string()), counts.complete, counts.ended_early, counts.unable);
-    for (const Override& one : sweep_.set) out_ += "<li><code>" + report::escape(one.text) + "</code> in all runs</li>\n";
+    out_ += fmt::format(
+        "<p>{} runs of <code>{}</code>: {} complete, {} ended early, {} could not be run.</p>\n<ul>\n",
+        rows_.size(), report::escape(std::filesystem::path(sweep_.experiment).filename().string()),
+        counts.complete, counts.ended_early, counts.unable);
+    for (const Override& one : sweep_.set)
+      out_ += "<li><code>" + report::escape(one.text) + "</code> in all runs</li>\n";
     for (const Axis& axis : sweep_.grid) {
       const size_t n = axis.values.size();
       std::string values;
       for (size_t i = 0; i < n; ++i) {
-        if (n > 8 && i == 3) values += ", .., " + svg::label(axis.values[i = n - 1]);
-        else values += (i ? ", " : "") + svg::label(axis.values[i]);
+        if (n > 8 && i == 3)
+          values += ", .., " + svg::label(axis.values[i = n - 1]);
+        else
+          values += (i ? ", " : "") + svg::label(axis.values[i]);
       }
-      out_ += fmt::format("<li>grid: <code>{}</code>, {} values: {}</li>\n", report::escape(axis.key), n, report::escape(values));
+      out_ += fmt::format("<li>grid: <code>{}</code>, {} values: {}</li>\n", report::escape(axis.key), n,
+                          report::escape(values));
     }
     for (const Draw& draw : sweep_.draws)
-      out_ += fmt::format("<li>drawn: <code>{}</code>, {} times, seed {}</li>\n", report::escape(draw.key), sweep_.draw_count, sweep_.seed);
+      out_ += fmt::format("<li>drawn: <code>{}</code>, {} times, seed {}</li>\n", report::escape(draw.key),
+                          sweep_.draw_count, sweep_.seed);
     out_ += "</ul>\n";
   }
 
@@ -132,7 +148,8 @@ class Page {
       table.rows.push_back({report::escape(sweep_.metrics[m])});
       for (int64_t run : {found.smallest, found.largest}) {
         table.rows.back().push_back(run < 0 ? "–" : svg::label(rows_[static_cast<size_t>(run)].metrics[m]));
-        table.rows.back().push_back(run < 0 ? "" : report::escape(fmt::format("{}: {}", run, short_settings(run))));
+        table.rows.back().push_back(
+            run < 0 ? "" : report::escape(fmt::format("{}: {}", run, short_settings(run))));
       }
     }
     out_ += report::section("Smallest and largest", table.html());
@@ -152,9 +169,12 @@ class Page {
     if (runs.empty()) return;
     report::Table table{.head = {"run", "settings", "reason"}, .text_columns = 3};
     for (size_t i = 0; i < std::min(runs.size(), kNamed); ++i)
-      table.rows.push_back({fmt::format("{}", runs[i]), report::escape(short_settings(static_cast<int64_t>(runs[i]))), report::escape(rows_[runs[i]].reason)});
+      table.rows.push_back({fmt::format("{}", runs[i]),
+                            report::escape(short_settings(static_cast<int64_t>(runs[i]))),
+                            report::escape(rows_[runs[i]].reason)});
     std::string more;
-    if (runs.size() > kNamed) more = fmt::format("<p>.. and {} more, in sweep.csv.</p>\n", runs.size() - kNamed);
+    if (runs.size() > kNamed)
+      more = fmt::format("<p>.. and {} more, in sweep.csv.</p>\n", runs.size() - kNamed);
     out_ += report::section("Runs without figures", table.html() + more);
   }
 
@@ -163,7 +183,8 @@ class Page {
     out_ += "<section><h2>" + report::escape(name) + "</h2>\n";
     for (const Metric& known : metrics())
       if (known.name == name.substr(0, name.find('.')))
-        out_ += fmt::format("<p class=\"soft\">{}{}</p>\n", report::escape(known.what), *known.unit ? std::string(", ") + known.unit : "");
+        out_ += fmt::format("<p class=\"soft\">{}{}</p>\n", report::escape(known.what),
+                            *known.unit ? std::string(", ") + known.unit : "");
     const Extremes found = extremes(rows_, m);
     if (found.smallest < 0) {
       out_ += "<p>No run has a value.</p></section>\n";
@@ -172,11 +193,16 @@ class Page {
     out_ += "<div class=\"maps\">\n";
     if (sweep_.grid.size() >= 2) heat_map(m);
     if (sweep_.grid.size() == 1) along(m, sweep_.grid[0].key, 0, true);
-    for (size_t i = 0; i < sweep_.draws.size(); ++i) along(m, sweep_.draws[i].key, sweep_.grid.size() + i, false);
+    for (size_t i = 0; i < sweep_.draws.size(); ++i)
+      along(m, sweep_.draws[i].key, sweep_.grid.size() + i, false);
     out_ += "</div>\n";
-    if (const size_t more = sweep_.grid.size() > 2 ? sweep_.grid.size() - 2 : 0; more > 0 || (!sweep_.draws.empty() && !sweep_.grid.empty()))
-      out_ += "<p class=\"soft\">Over the grid: means of the runs that agree in what is shown; a cross in a corner: some of them have no figures.</p>\n";
-    out_ += "<p class=\"soft\">Smallest: <code>" + report::escape(command(sweep_, found.smallest)) + "</code></p></section>\n";
+    if (const size_t more = sweep_.grid.size() > 2 ? sweep_.grid.size() - 2 : 0;
+        more > 0 || (!sweep_.draws.empty() && !sweep_.grid.empty()))
+      out_ +=
+          "<p class=\"soft\">Over the grid: means of the runs that agree in what is shown; a cross in a "
+          "corner: some of them have no figures.</p>\n";
+    out_ += "<p class=\"soft\">Smallest: <code>" + report::escape(command(sweep_, found.smallest)) +
+            "</code></p></section>\n";
   }
 
   void open(double height) { out_ += fmt::format("<svg viewBox=\"0 0 640 {:.0f}\" role=\"img\">\n", height); }
@@ -193,36 +219,49 @@ class Page {
     for (const Place& place : places)
       if (place.values > 0) means.push_back(place.mean());
     const svg::Scale shade(means, 0, 1, false);
-    const double w = kWidth / static_cast<double>(columns), h = std::clamp(320 / static_cast<double>(rows), 4.0, 44.0);
+    const double w = kWidth / static_cast<double>(columns),
+                 h = std::clamp(320 / static_cast<double>(rows), 4.0, 44.0);
     const double bottom = kTop + h * static_cast<double>(rows);
     open(bottom + kBottom + 34);
     const size_t every_row = 1 + static_cast<size_t>(13 / h), every_column = 1 + static_cast<size_t>(44 / w);
     for (size_t r = 0; r < rows; ++r) {
-      const double y = bottom - h * static_cast<double>(r + 1);  // the first value at the bottom, as in a plot
+      const double y =
+          bottom - h * static_cast<double>(r + 1);  // the first value at the bottom, as in a plot
       if (r % every_row == 0) out_ += svg::text(kLeft - 6, y + h / 2 + 4, svg::label(down.values[r]), "end");
       for (size_t c = 0; c < columns; ++c) {
         const Place& place = places[r * columns + c];
         const double x = kLeft + w * static_cast<double>(c);
-        const std::string title = places.size() > kTitled ? "" : place.words(down.key + " " + down.values[r] + ", " + across.key + " " + across.values[c]);
+        const std::string title =
+            places.size() > kTitled
+                ? ""
+                : place.words(down.key + " " + down.values[r] + ", " + across.key + " " + across.values[c]);
         if (place.values == 0) {
           out_ += svg::rect(x, y, w, h, "var(--line)", title) + svg::cross(x + w / 2, y + h / 2, title);
           continue;
         }
         const double share = shade.share(place.mean());
         out_ += svg::rect(x, y, w, h, svg::colour(share), title);
-        if (place.without > 0 && w > 24 && h > 15) out_ += svg::cross(x + w - 8, y + 8, title);  // the mean leaves some out
+        if (place.without > 0 && w > 24 && h > 15)
+          out_ += svg::cross(x + w - 8, y + 8, title);  // the mean leaves some out
         if (w > 42 && h > 15)
-          out_ += svg::text(x + w / 2, y + h / 2 + 4, fmt::format("{:.3g}", place.mean()), "middle", fmt::format("style=\"fill:{}\" pointer-events=\"none\"", svg::ink(share)));
+          out_ += svg::text(x + w / 2, y + h / 2 + 4, fmt::format("{:.3g}", place.mean()), "middle",
+                            fmt::format("style=\"fill:{}\" pointer-events=\"none\"", svg::ink(share)));
       }
     }
-    for (size_t c = 0; c < columns; c += every_column) out_ += svg::text(kLeft + w * (static_cast<double>(c) + 0.5), bottom + 17, svg::label(across.values[c]));
+    for (size_t c = 0; c < columns; c += every_column)
+      out_ +=
+          svg::text(kLeft + w * (static_cast<double>(c) + 0.5), bottom + 17, svg::label(across.values[c]));
     out_ += svg::text(kLeft + kWidth / 2, bottom + 34, across.key);
     vertical_name(down.key, kTop + (bottom - kTop) / 2);
     // what the colours mean
     const double top = bottom + kBottom;
-    for (int i = 0; i < 50; ++i) out_ += svg::rect(kLeft + kWidth * i / 50.0, top, kWidth / 50 + 0.5, 10, svg::colour((i + 0.5) / 50));
-    out_ += svg::text(kLeft, top + 24, svg::label(shade.low()), "start") + svg::text(kLeft + kWidth, top + 24, svg::label(shade.high()), "end");
-    out_ += svg::text(kLeft + kWidth / 2, top + 24, sweep_.metrics[m] + (shade.logarithmic() ? " (log)" : "")) + "</svg>\n";
+    for (int i = 0; i < 50; ++i)
+      out_ += svg::rect(kLeft + kWidth * i / 50.0, top, kWidth / 50 + 0.5, 10, svg::colour((i + 0.5) / 50));
+    out_ += svg::text(kLeft, top + 24, svg::label(shade.low()), "start") +
+            svg::text(kLeft + kWidth, top + 24, svg::label(shade.high()), "end");
+    out_ +=
+        svg::text(kLeft + kWidth / 2, top + 24, sweep_.metrics[m] + (shade.logarithmic() ? " (log)" : "")) +
+        "</svg>\n";
   }
 
   void vertical_name(const std::string& name, double y) {
@@ -244,9 +283,12 @@ class Page {
     const Horizontal x(values);
     const svg::Scale y(ends, bottom, kTop + 14);  // a strip on top is for the runs without a value
     open(bottom + kBottom);
-    out_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"frame\" fill=\"none\"/>\n", kLeft, kTop, kWidth, bottom - kTop);
+    out_ +=
+        fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"frame\" fill=\"none\"/>\n",
+                    kLeft, kTop, kWidth, bottom - kTop);
     for (double tick : y.ticks())
-      out_ += svg::line(kLeft, y.at(tick), kLeft + kWidth, y.at(tick), "grid") + svg::text(kLeft - 6, y.at(tick) + 4, svg::label(tick), "end");
+      out_ += svg::line(kLeft, y.at(tick), kLeft + kWidth, y.at(tick), "grid") +
+              svg::text(kLeft - 6, y.at(tick) + 4, svg::label(tick), "end");
     out_ += x.draw(bottom, key);
     vertical_name(sweep_.metrics[m] + (y.logarithmic() ? " (log)" : ""), (kTop + bottom) / 2);
     std::map<double, double> way;
@@ -257,7 +299,8 @@ class Page {
         out_ += svg::cross(x.at(value), kTop + 8, title);
         continue;
       }
-      if (place.values > 1) out_ += svg::line(x.at(value), y.at(place.least), x.at(value), y.at(place.most), "frame");
+      if (place.values > 1)
+        out_ += svg::line(x.at(value), y.at(place.least), x.at(value), y.at(place.most), "frame");
       out_ += svg::dot(x.at(value), y.at(place.mean()), joined ? 4 : 3, title);
       way[x.at(value)] = y.at(place.mean());
     }

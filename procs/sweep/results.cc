@@ -25,14 +25,20 @@ std::string result_line(const std::string& key, const json& evaluated) {
   for (const Metric& metric : metrics()) {
     values[metric.name] = evaluated.value(metric.name, json());
     for (const json& joint : evaluated["joints"])
-      if (metric.per_joint) values[metric.name + ("." + joint["name"].get<std::string>())] = joint.value(metric.name, json());
+      if (metric.per_joint)
+        values[metric.name + ("." + joint["name"].get<std::string>())] = joint.value(metric.name, json());
   }
-  const json line{{"key", key}, {"last_step", evaluated["last_step"]}, {"complete", evaluated["complete"]}, {"passed", evaluated["passed"]},
-                  {"reason", evaluated["reason"]}, {"metrics", std::move(values)}};
+  const json line{{"key", key},
+                  {"last_step", evaluated["last_step"]},
+                  {"complete", evaluated["complete"]},
+                  {"passed", evaluated["passed"]},
+                  {"reason", evaluated["reason"]},
+                  {"metrics", std::move(values)}};
   return line.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
-Results::Results(std::string dir, std::vector<std::string> metrics) : dir_(std::move(dir)), metrics_(std::move(metrics)) {}
+Results::Results(std::string dir, std::vector<std::string> metrics)
+    : dir_(std::move(dir)), metrics_(std::move(metrics)) {}
 
 std::optional<Row> Results::read(const std::string& line) const {
   try {
@@ -87,7 +93,8 @@ void Results::open() {
   for (int n = 0; descriptor_ < 0; ++n) {
     file_ = fmt::format("{}/{:04}.jsonl", dir_, n);
     descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) throw std::runtime_error(file_ + ": cannot be created (" + std::strerror(errno) + ")");
+    if (descriptor_ < 0 && errno != EEXIST)
+      throw std::runtime_error(file_ + ": cannot be created (" + std::strerror(errno) + ")");
   }
 }
 
@@ -95,8 +102,10 @@ Row Results::add(const std::string& line) {
   Row row = read(line).value();
   const std::lock_guard guard(lock_);
   if (descriptor_ < 0) open();
-  if (const ssize_t n = ::write(descriptor_, line.data(), line.size()); n != static_cast<ssize_t>(line.size()))
-    throw std::runtime_error(file_ + ": cannot be written (" + (n < 0 ? std::strerror(errno) : "disk full?") + ")");
+  if (const ssize_t n = ::write(descriptor_, line.data(), line.size());
+      n != static_cast<ssize_t>(line.size()))
+    throw std::runtime_error(file_ + ": cannot be written (" + (n < 0 ? std::strerror(errno) : "disk full?") +
+                             ")");
   rows_.insert_or_assign(row.key, row);
   return row;
 }

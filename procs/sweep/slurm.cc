@@ -47,7 +47,9 @@ bool in_queue(const std::string& job, int& silent) {
   const Said said = shell("squeue --noheader --jobs " + job);
   if (said.code == 0) return silent = 0, !said.text.empty();
   if (said.text.find("Invalid job id") != std::string::npos) return false;
-  if (++silent > 30) throw std::runtime_error("squeue fails: " + said.text + "; the job goes on: run the same sweep again to collect it");
+  if (++silent > 30)
+    throw std::runtime_error("squeue fails: " + said.text +
+                             "; the job goes on: run the same sweep again to collect it");
   return true;
 }
 
@@ -56,13 +58,15 @@ bool in_queue(const std::string& job, int& silent) {
 void run_on_slurm(const SlurmJob& job, Results& results, int64_t total, int64_t missing, bool quiet) {
   const std::string folder = fs::absolute(job.dir) / "slurm", script = folder + "/sweep.sh";
   fs::create_directories(folder);
-  write_atomically(script, fmt::format("#!/bin/bash\n"
-                                       "# {} runs in {} tasks; a task runs what is still missing of its part\n"
-                                       "exec {} sweep {} -o {} --part \"$SLURM_ARRAY_TASK_ID/{}\"\n",
-                                       missing, job.tasks, quoted(fs::read_symlink("/proc/self/exe")), quoted(fs::absolute(job.sweep_file)),
-                                       quoted(fs::absolute(job.dir)), job.tasks));
-  const Said said = shell(fmt::format("sbatch --parsable --job-name={} --array=0-{} --ntasks=1 --cpus-per-task=1 --output={} {}", quoted(job.name),
-                                      job.tasks - 1, quoted(folder + "/%a.out"), quoted(script)));
+  write_atomically(
+      script, fmt::format("#!/bin/bash\n"
+                          "# {} runs in {} tasks; a task runs what is still missing of its part\n"
+                          "exec {} sweep {} -o {} --part \"$SLURM_ARRAY_TASK_ID/{}\"\n",
+                          missing, job.tasks, quoted(fs::read_symlink("/proc/self/exe")),
+                          quoted(fs::absolute(job.sweep_file)), quoted(fs::absolute(job.dir)), job.tasks));
+  const Said said = shell(
+      fmt::format("sbatch --parsable --job-name={} --array=0-{} --ntasks=1 --cpus-per-task=1 --output={} {}",
+                  quoted(job.name), job.tasks - 1, quoted(folder + "/%a.out"), quoted(script)));
   const std::string id = said.text.substr(0, said.text.find(';'));
   if (said.code != 0 || id.find_first_not_of("0123456789") != std::string::npos || id.empty())
     throw std::runtime_error("sbatch failed: " + (said.text.empty() ? "no answer" : said.text));

@@ -11,7 +11,8 @@
 
 namespace lab::sweep::svg {
 
-Scale::Scale(const std::vector<double>& values, double pixel_from, double pixel_to, bool room) : from_(pixel_from), to_(pixel_to) {
+Scale::Scale(const std::vector<double>& values, double pixel_from, double pixel_to, bool room)
+    : from_(pixel_from), to_(pixel_to) {
   if (values.empty()) return;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   low_ = *least, high_ = *most;
@@ -33,7 +34,8 @@ double Scale::share(double value) const {
 std::vector<double> Scale::ticks() const {
   std::vector<double> ticks;
   if (log_) {
-    const int first = static_cast<int>(std::ceil(std::log10(low_) - 1e-9)), last = static_cast<int>(std::floor(std::log10(high_) + 1e-9));
+    const int first = static_cast<int>(std::ceil(std::log10(low_) - 1e-9)),
+              last = static_cast<int>(std::floor(std::log10(high_) + 1e-9));
     const int step = std::max(1, (last - first) / 6);
     for (int power = first; power <= last; power += step) ticks.push_back(std::pow(10, power));
     return ticks;
@@ -53,22 +55,28 @@ std::string label(const std::string& value) {
 }
 
 std::string colour(double share) {
-  constexpr std::array<std::array<int, 3>, 6> kStops{{{68, 1, 84}, {65, 68, 135}, {42, 120, 142}, {34, 168, 132}, {122, 209, 81}, {253, 231, 37}}};
+  constexpr std::array<std::array<int, 3>, 6> kStops{
+      {{68, 1, 84}, {65, 68, 135}, {42, 120, 142}, {34, 168, 132}, {122, 209, 81}, {253, 231, 37}}};
   const double x = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
   const size_t i = std::min<size_t>(static_cast<size_t>(x), kStops.size() - 2);
   std::array<int, 3> c{};
-  for (size_t k = 0; k < 3; ++k) c[k] = static_cast<int>(std::lround(kStops[i][k] + (x - static_cast<double>(i)) * (kStops[i + 1][k] - kStops[i][k])));
+  for (size_t k = 0; k < 3; ++k)
+    c[k] = static_cast<int>(
+        std::lround(kStops[i][k] + (x - static_cast<double>(i)) * (kStops[i + 1][k] - kStops[i][k])));
   return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]);
 }
 
 const char* ink(double share) { return share > 0.6 ? "#000" : "#fff"; }
 
-std::string text(double x, double y, const std::string& words, const std::string& anchor, const std::string& more) {
-  return fmt::format("<text class=\"t\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}{}>{}</text>\n", x, y, anchor, more.empty() ? "" : " ", more, report::escape(words));
+std::string text(double x, double y, const std::string& words, const std::string& anchor,
+                 const std::string& more) {
+  return fmt::format("<text class=\"t\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}{}>{}</text>\n", x, y,
+                     anchor, more.empty() ? "" : " ", more, report::escape(words));
 }
 
 std::string line(double x1, double y1, double x2, double y2, const char* kind) {
-  return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x1, y1, x2, y2, kind);
+  return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x1, y1,
+                     x2, y2, kind);
 }
 
 namespace {
@@ -80,16 +88,21 @@ std::string titled(const std::string& title, const char* tag) {
 
 }  // namespace
 
-std::string rect(double x, double y, double width, double height, const std::string& fill, const std::string& title) {
-  return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"", x, y, width, height, fill) + titled(title, "rect");
+std::string rect(double x, double y, double width, double height, const std::string& fill,
+                 const std::string& title) {
+  return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"", x, y,
+                     width, height, fill) +
+         titled(title, "rect");
 }
 
 std::string dot(double x, double y, double radius, const std::string& title) {
-  return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" class=\"dot\"", x, y, radius) + titled(title, "circle");
+  return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" class=\"dot\"", x, y, radius) +
+         titled(title, "circle");
 }
 
 std::string cross(double x, double y, const std::string& title) {
-  return fmt::format("<path d=\"M{:.1f} {:.1f}l8 8m0 -8l-8 8\" class=\"cross\"", x - 4, y - 4) + titled(title, "path");
+  return fmt::format("<path d=\"M{:.1f} {:.1f}l8 8m0 -8l-8 8\" class=\"cross\"", x - 4, y - 4) +
+         titled(title, "path");
 }
 
 }  // namespace lab::sweep::svg

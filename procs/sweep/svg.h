@@ -31,10 +31,12 @@ std::string colour(double share);
 /// Black or white, whichever is readable on it.
 const char* ink(double share);
 
-std::string text(double x, double y, const std::string& words, const std::string& anchor = "middle", const std::string& more = "");
+std::string text(double x, double y, const std::string& words, const std::string& anchor = "middle",
+                 const std::string& more = "");
 /// kind: "frame" or "grid", as the page's style has them.
 std::string line(double x1, double y1, double x2, double y2, const char* kind);
-std::string rect(double x, double y, double width, double height, const std::string& fill, const std::string& title = "");
+std::string rect(double x, double y, double width, double height, const std::string& fill,
+                 const std::string& title = "");
 std::string dot(double x, double y, double radius, const std::string& title = "");
 /// A run that has no value there.
 std::string cross(double x, double y, const std::string& title = "");

@@ -25,7 +25,8 @@ std::string head(const Sweep& sweep) {
 }
 
 std::string start(const Sweep& sweep, int64_t run) {
-  std::string line = sweep.draws.empty() ? fmt::format("{}", run) : fmt::format("{},{}", run, sweep.draw_of(run));
+  std::string line =
+      sweep.draws.empty() ? fmt::format("{}", run) : fmt::format("{},{}", run, sweep.draw_of(run));
   for (const std::string& value : sweep.values(run)) line += "," + cell(value);
   return line;
 }
@@ -39,7 +40,9 @@ json set_of(const Sweep& sweep, int64_t run) {
 
 /// As a shell takes it.
 std::string word(const std::string& text) {
-  if (text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:+") == std::string::npos) return text;
+  if (text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:+") ==
+      std::string::npos)
+    return text;
   std::string out = "'";
   for (char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
   return out + "'";
@@ -54,9 +57,11 @@ std::string csv(const Sweep& sweep, const std::vector<Row>& rows) {
   for (size_t run = 0; run < rows.size(); ++run) {
     const Row& row = rows[run];
     out += start(sweep, static_cast<int64_t>(run));
-    for (size_t m = 0; m < sweep.metrics.size(); ++m) out += "," + (m < row.metrics.size() && std::isfinite(row.metrics[m]) ? number(row.metrics[m]) : "");
+    for (size_t m = 0; m < sweep.metrics.size(); ++m)
+      out += "," + (m < row.metrics.size() && std::isfinite(row.metrics[m]) ? number(row.metrics[m]) : "");
     const bool done = row.state == Row::State::Done;
-    out += fmt::format(",{},{},{},{}\n", row.complete, row.passed, done ? fmt::format("{}", row.last_step) : "", cell(row.reason));
+    out += fmt::format(",{},{},{},{}\n", row.complete, row.passed,
+                       done ? fmt::format("{}", row.last_step) : "", cell(row.reason));
   }
   return out;
 }
@@ -76,9 +81,12 @@ json runs_as_json(const Sweep& sweep) {
 Counts count(const std::vector<Row>& rows) {
   Counts counts;
   for (const Row& row : rows) {
-    if (row.state == Row::State::Missing) ++counts.missing;
-    else if (row.state == Row::State::Unable) ++counts.unable;
-    else ++(row.complete ? counts.complete : counts.ended_early);
+    if (row.state == Row::State::Missing)
+      ++counts.missing;
+    else if (row.state == Row::State::Unable)
+      ++counts.unable;
+    else
+      ++(row.complete ? counts.complete : counts.ended_early);
   }
   return counts;
 }
@@ -114,12 +122,18 @@ json summary(const Sweep& sweep, const std::vector<Row>& rows) {
     const Extremes found = extremes(rows, m);
     const auto about = [&](int64_t run) {
       if (run < 0) return json();
-      return json{{"run", run}, {"value", rows[static_cast<size_t>(run)].metrics[m]}, {"set", set_of(sweep, run)}};
+      return json{
+          {"run", run}, {"value", rows[static_cast<size_t>(run)].metrics[m]}, {"set", set_of(sweep, run)}};
     };
     best[sweep.metrics[m]] = {{"smallest", about(found.smallest)}, {"largest", about(found.largest)}};
   }
-  return {{"sweep", sweep.name}, {"experiment", sweep.experiment}, {"runs", rows.size()}, {"complete", counts.complete},
-          {"ended_early", counts.ended_early}, {"unable", counts.unable}, {"metrics", best}};
+  return {{"sweep", sweep.name},
+          {"experiment", sweep.experiment},
+          {"runs", rows.size()},
+          {"complete", counts.complete},
+          {"ended_early", counts.ended_early},
+          {"unable", counts.unable},
+          {"metrics", best}};
 }
 
 }  // namespace lab::sweep

@@ -28,7 +28,8 @@ std::shared_ptr<const Robot> Workbench::robot_of(const Experiment& e) {
   const std::string key = resolve(about);
   const std::lock_guard guard(lock_);
   if (const auto known = robots_.find(key); known != robots_.end()) return known->second;
-  if (robots_.size() >= kRobotsKept) robots_.clear();  // robots that vary from run to run are not worth keeping
+  if (robots_.size() >= kRobotsKept)
+    robots_.clear();  // robots that vary from run to run are not worth keeping
   return robots_[key] = std::make_shared<const Robot>(load_robot(e));
 }
 
@@ -36,9 +37,11 @@ Workbench::Job Workbench::prepare(const std::vector<Override>& overrides) {
   Job job;
   job.experiment = parse_experiment(sweep_.text, sweep_.experiment, overrides);
   const Experiment& e = job.experiment;
-  if (e.simulator.clock != "lockstep") fail(e, "simulator.clock", "is " + e.simulator.clock + "; a sweep runs in one process: use lockstep");
+  if (e.simulator.clock != "lockstep")
+    fail(e, "simulator.clock", "is " + e.simulator.clock + "; a sweep runs in one process: use lockstep");
   job.robot = robot_of(e);
-  job.key = hex(hash_of(fmt::format("{}\n{}\n{}\n{}", canonical(e), e.logger.every, job.robot->hash, program_)));
+  job.key =
+      hex(hash_of(fmt::format("{}\n{}\n{}\n{}", canonical(e), e.logger.every, job.robot->hash, program_)));
   return job;
 }
 
@@ -58,12 +61,14 @@ void Workbench::check() {
     controller::make_config(job.experiment, model);
     Experiment asked = job.experiment;
     asked.expect.clear();
-    for (const std::string& metric : sweep_.metrics) asked.expect[metric], asked.where["expect." + metric] = sweep_.metrics_place;
+    for (const std::string& metric : sweep_.metrics)
+      asked.expect[metric], asked.where["expect." + metric] = sweep_.metrics_place;
     try {
       check_expect(asked, model);
     } catch (const ExperimentError& error) {
       std::string text = error.what();
-      if (const size_t at = text.find(": expect."); at != std::string::npos) text.replace(at, 9, ": metrics: ");
+      if (const size_t at = text.find(": expect."); at != std::string::npos)
+        text.replace(at, 9, ": metrics: ");
       throw ExperimentError(text);
     }
     check_expect(job.experiment, model);
@@ -74,7 +79,8 @@ std::string Workbench::words(const std::exception& error) const {
   std::string text = error.what();
   for (const std::string& file : {sweep_.file, sweep_.experiment}) {
     const std::string plain = std::filesystem::path(file).filename();
-    for (size_t at = 0; (at = text.find(file, at)) != std::string::npos; at += plain.size()) text.replace(at, file.size(), plain);
+    for (size_t at = 0; (at = text.find(file, at)) != std::string::npos; at += plain.size())
+      text.replace(at, file.size(), plain);
   }
   for (size_t at; (at = text.find('\n')) != std::string::npos;) text.replace(at, 1, "; ");
   return text;

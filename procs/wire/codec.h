@@ -138,9 +138,7 @@ auto tie(const T& m) {
 // clang-format on
 
 template <class X>
-concept Message = requires {
-  X::getTypeName();
-};
+concept Message = requires { X::getTypeName(); };
 template <class X>
 constexpr bool is_vector = false;
 template <class X>
@@ -186,8 +184,7 @@ std::string count_fault(const T& message) {
     static_cast<void>(
         ((fault = fields::fault_in(std::get<I>(members), type, type.fields[I], 0, counts.data())).empty() &&
          ...));
-  }
-  (std::make_index_sequence<n>{});
+  }(std::make_index_sequence<n>{});
   return fault;
 }
 

@@ -6,7 +6,9 @@ namespace {
 Eigen::VectorXd vector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
-void assign(std::vector<double>& values, const Eigen::VectorXd& x) { values.assign(x.data(), x.data() + x.size()); }
+void assign(std::vector<double>& values, const Eigen::VectorXd& x) {
+  values.assign(x.data(), x.data() + x.size());
+}
 
 }  // namespace
 
@@ -39,7 +41,8 @@ void to_message(const Command& command, command_t& m) {
   assign(m.tau, command.tau);
 }
 
-event_t to_message(const Event& event, const std::string& process, int64_t step, int64_t utime, int64_t run, int64_t index) {
+event_t to_message(const Event& event, const std::string& process, int64_t step, int64_t utime, int64_t run,
+                   int64_t index) {
   event_t m;
   m.utime = utime, m.run = run, m.step = step, m.index = index;
   m.process = process, m.what = event.what, m.who = event.who, m.why = event.why;

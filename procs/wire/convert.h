@@ -14,7 +14,9 @@
 namespace lab {
 
 /// Simulation time of a step, us.
-inline int64_t step_utime(int64_t step, double dt) { return std::llround(static_cast<double>(step) * dt * 1e6); }
+inline int64_t step_utime(int64_t step, double dt) {
+  return std::llround(static_cast<double>(step) * dt * 1e6);
+}
 
 Action to_signal(const action_t& message);
 action_t to_message(const Action& action);
@@ -24,6 +26,7 @@ Reference to_signal(const reference_t& message);
 void to_message(const Reference& reference, reference_t& message);
 Command to_signal(const command_t& message);
 void to_message(const Command& command, command_t& message);
-event_t to_message(const Event& event, const std::string& process, int64_t step, int64_t utime, int64_t run, int64_t index);
+event_t to_message(const Event& event, const std::string& process, int64_t step, int64_t utime, int64_t run,
+                   int64_t index);
 
 }  // namespace lab

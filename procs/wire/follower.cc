@@ -60,8 +60,11 @@ void Follower::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
     case Channel::Process:
       if (decode<process_t>(bytes).name == kSimulator) silence_.progress();
       break;
-    case Channel::End: outcome_.ended = run_ != 0; break;
-    default: break;
+    case Channel::End:
+      outcome_.ended = run_ != 0;
+      break;
+    default:
+      break;
   }
 }
 
@@ -76,11 +79,14 @@ void Follower::on_run(std::span<const uint8_t> bytes, Micros now) {
   answers_.resize(std::max(setup_.lead, setup_.every) + 2);
   patience_.reset(now);
   folding_ = static_cast<bool>(config_.read_log) && !setup_.realtime;
-  if (!setup_.realtime) begin();
-  else ask(kBeforeStart);  // INPUTs of before
+  if (!setup_.realtime)
+    begin();
+  else
+    ask(kBeforeStart);  // INPUTs of before
   if (folding_) {
     config_.read_log(run_, [&](Channel channel, std::span<const uint8_t> logged) {
-      if (channel == Channel::RobotState || channel == Channel::Reference || channel == Channel::Input) receive(channel, logged, now);
+      if (channel == Channel::RobotState || channel == Channel::Reference || channel == Channel::Input)
+        receive(channel, logged, now);
     });
     folding_ = false;
     for (const Answer& kept : answers_)
@@ -139,21 +145,30 @@ void Follower::receive_in_real_time(Channel channel, std::span<const uint8_t> by
   switch (channel) {
     case Channel::RobotState:
       silence_.progress();
-      if (const int64_t step = peek_step(bytes); step < next_) ++late_;
-      else if (newest_.empty() || step > peek_step(newest_)) newest_.assign(bytes.begin(), bytes.end());
+      if (const int64_t step = peek_step(bytes); step < next_)
+        ++late_;
+      else if (newest_.empty() || step > peek_step(newest_))
+        newest_.assign(bytes.begin(), bytes.end());
       break;
-    case Channel::Input: file(channel, bytes, now); break;
+    case Channel::Input:
+      file(channel, bytes, now);
+      break;
     case Channel::Process:
-      if (const auto process = decode<process_t>(bytes); process.name == kSimulator) held_ = process.state != "RUNNING", silence_.progress();
+      if (const auto process = decode<process_t>(bytes); process.name == kSimulator)
+        held_ = process.state != "RUNNING", silence_.progress();
       break;
-    case Channel::End: outcome_.ended = true; break;
-    default: keep(channel, bytes);
+    case Channel::End:
+      outcome_.ended = true;
+      break;
+    default:
+      keep(channel, bytes);
   }
 }
 
 void Follower::answer_in_real_time(Micros now) {
   if (newest_.empty()) {
-    if (now - answered_at_ > std::llround(static_cast<double>(setup_.timeout) * setup_.dt * 1e6)) idle_ = true;
+    if (now - answered_at_ > std::llround(static_cast<double>(setup_.timeout) * setup_.dt * 1e6))
+      idle_ = true;
     return;
   }
   decode(newest_, state_);
@@ -195,21 +210,26 @@ void Follower::ask(int64_t step) {
 void Follower::tick(Micros now) {
   if (outcome_.ended) return;
   silence_.look(now);
-  if (setup_.realtime) answer_in_real_time(now);
-  else if (patience_.expired(now)) ask(run_ == 0 ? kBeforeStart : next_);
+  if (setup_.realtime)
+    answer_in_real_time(now);
+  else if (patience_.expired(now))
+    ask(run_ == 0 ? kBeforeStart : next_);
   if (run_ == 0 && silence_.total() > config_.ready_deadline)
     fail(kNotReady, fmt::format("no RUN from the simulator in {:g} s", config_.ready_deadline * 1e-6));
   else if (run_ != 0 && silence_.total() > config_.deadline)
-    fail(kTransport, fmt::format("nothing from the simulator in {:g} s after step {}", config_.deadline * 1e-6, next_ - 1));
+    fail(kTransport, fmt::format("nothing from the simulator in {:g} s after step {}",
+                                 config_.deadline * 1e-6, next_ - 1));
 }
 
 // ---- planner ------------------------------------------------------------------------------------------------
 
 void PlannerRole::begin() {
-  for (int64_t step = 0; step < setup_.lead && step <= setup_.last_step; ++step) give_reference(step, utime(step), {});
+  for (int64_t step = 0; step < setup_.lead && step <= setup_.last_step; ++step)
+    give_reference(step, utime(step), {});
 }
 
-void PlannerRole::handle(const robot_state_t& message, const StepRecord& record, std::span<const Action> actions) {
+void PlannerRole::handle(const robot_state_t& message, const StepRecord& record,
+                         std::span<const Action> actions) {
   const RobotState state = to_signal(message);
   const int64_t step = record.step + setup_.lead;
   if (step <= setup_.last_step) give_reference(step, utime(step), {&state, actions});
@@ -234,9 +254,12 @@ void PlannerRole::give_reference(int64_t step, int64_t at, const PlanInput& inpu
 
 // ---- controller ---------------------------------------------------------------------------------------------
 
-bool ControllerRole::can_handle(const StepRecord& record) const { return !due(record.step) || !record.reference.empty(); }
+bool ControllerRole::can_handle(const StepRecord& record) const {
+  return !due(record.step) || !record.reference.empty();
+}
 
-void ControllerRole::handle(const robot_state_t& state, const StepRecord& record, std::span<const Action> actions) {
+void ControllerRole::handle(const robot_state_t& state, const StepRecord& record,
+                            std::span<const Action> actions) {
   pending_.insert(pending_.end(), actions.begin(), actions.end());
   if (!due(record.step)) return;
   decode(record.reference, reference_);
@@ -253,7 +276,8 @@ void ControllerRole::keep(Channel channel, std::span<const uint8_t> bytes) {
 bool ControllerRole::answer_newest(const robot_state_t& state, std::span<const Action> actions, bool) {
   pending_.insert(pending_.end(), actions.begin(), actions.end());
   if (!have_reference_ || state.step - reference_.step >= setup_.timeout) return false;
-  if (commanded_ < 0 || state.step >= commanded_ + setup_.every) give_command(state, std::exchange(pending_, {}));
+  if (commanded_ < 0 || state.step >= commanded_ + setup_.every)
+    give_command(state, std::exchange(pending_, {}));
   return true;
 }
 
@@ -262,7 +286,9 @@ void ControllerRole::give_command(const robot_state_t& state, std::span<const Ac
   const Command command = control_(to_signal(state), to_signal(reference_), actions, events);
   for (Eigen::Index i = 0; i < command.tau.size(); ++i)
     if (!std::isfinite(command.tau[i]))
-      return fail(kSafety, fmt::format("the effort for step {} is not finite: tau[{}] is {}; nothing was sent", state.step, i, command.tau[i]));
+      return fail(kSafety,
+                  fmt::format("the effort for step {} is not finite: tau[{}] is {}; nothing was sent",
+                              state.step, i, command.tau[i]));
 
   command_t message{};
   to_message(command, message);

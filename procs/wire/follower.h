@@ -24,7 +24,8 @@ struct RunSetup {
 /// Makes a process ready for a run: loads the model, reads the experiment. Throws std::exception with one clear line.
 using BeginRun = std::function<RunSetup(const run_t&)>;
 /// Calls visit for each message of the whole steps of the run's log so far, in the log's order. May do nothing.
-using ReadLog = std::function<void(int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit)>;
+using ReadLog =
+    std::function<void(int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit)>;
 
 struct FollowerConfig {
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
@@ -58,7 +59,8 @@ class Follower : public Role {
   /// True when nothing but ROBOT_STATE and INPUT is missing to handle this step.
   virtual bool can_handle(const StepRecord&) const { return true; }
   /// Handles one step: `actions` are the INPUTs applied since the step before.
-  virtual void handle(const robot_state_t& state, const StepRecord& record, std::span<const Action> actions) = 0;
+  virtual void handle(const robot_state_t& state, const StepRecord& record,
+                      std::span<const Action> actions) = 0;
 
   /// Real time: answers the newest state; false if it cannot, such as without a reference. `held`: the simulator holds
   /// the robot.
@@ -110,29 +112,30 @@ class Follower : public Role {
   robot_state_t state_;  ///< the one in hand; kept for its memory
   Bytes newest_;         ///< real time: the newest ROBOT_STATE, until it is answered
   Micros answered_at_ = 0;
-  bool held_ = true;     ///< real time: the simulator is not RUNNING, by its PROCESS
-  bool idle_ = true;     ///< real time: the newest state could not be answered, or none has come for long
+  bool held_ = true;  ///< real time: the simulator is not RUNNING, by its PROCESS
+  bool idle_ = true;  ///< real time: the newest state could not be answered, or none has come for long
   Patience patience_;
   Silence silence_;
 };
 
 /// What a reference is made from.
 struct PlanInput {
-  const RobotState* state = nullptr;    ///< newest; null before the first
+  const RobotState* state = nullptr;  ///< newest; null before the first
   std::span<const Action> actions{};
-  bool held = false;                    ///< real time: the simulator holds the robot
+  bool held = false;  ///< real time: the simulator holds the robot
 };
 /// Makes the reference for one step. Events say what is worth a line in the log.
 using PlanStep = std::function<Reference(int64_t step, const PlanInput& input, std::vector<Event>& events)>;
 /// Makes the effort for one state.
-using ControlStep =
-    std::function<Command(const RobotState& state, const Reference& reference, std::span<const Action> actions, std::vector<Event>& events)>;
+using ControlStep = std::function<Command(const RobotState& state, const Reference& reference,
+                                          std::span<const Action> actions, std::vector<Event>& events)>;
 
 /// REFERENCE 0..lead-1 on RUN, then REFERENCE k + lead on ROBOT_STATE k.
 class PlannerRole : public Follower {
  public:
   PlannerRole(FollowerConfig config, BeginRun begin, PlanStep plan, Publish publish)
-      : Follower(kPlanner, Channel::Reference, std::move(config), std::move(begin), std::move(publish)), plan_(std::move(plan)) {}
+      : Follower(kPlanner, Channel::Reference, std::move(config), std::move(begin), std::move(publish)),
+        plan_(std::move(plan)) {}
 
   /// References far ahead leave time to make several at once.
   Micros batch() const override { return setup_.realtime ? kNoSpin : setup_.lead >= 16 ? 100 : 0; }
@@ -150,7 +153,8 @@ class PlannerRole : public Follower {
 class ControllerRole : public Follower {
  public:
   ControllerRole(FollowerConfig config, BeginRun begin, ControlStep control, Publish publish)
-      : Follower(kController, Channel::Command, std::move(config), std::move(begin), std::move(publish)), control_(std::move(control)) {}
+      : Follower(kController, Channel::Command, std::move(config), std::move(begin), std::move(publish)),
+        control_(std::move(control)) {}
 
  private:
   bool due(int64_t step) const { return step % setup_.every == 0; }
@@ -160,7 +164,7 @@ class ControllerRole : public Follower {
   void keep(Channel channel, std::span<const uint8_t> bytes) override;
   void give_command(const robot_state_t& state, std::span<const Action> actions);
   ControlStep control_;
-  reference_t reference_;        ///< the one in use
+  reference_t reference_;  ///< the one in use
   bool have_reference_ = false;
   int64_t commanded_ = -1;       ///< step of the last command
   std::vector<Action> pending_;  ///< INPUTs of steps at which no COMMAND was due

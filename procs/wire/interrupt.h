@@ -12,7 +12,7 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler writes it
 
 /// INT and TERM are noted in `interrupted`; the second one ends the process at once.
 inline void heed_signals() {
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = [](int number) {
     if (interrupted) _exit(128 + number);
     interrupted = number;

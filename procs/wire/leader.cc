@@ -36,7 +36,9 @@ void Leader::receive(Channel channel, std::span<const uint8_t> bytes, Micros now
   switch (channel) {
     case Channel::Ack: {
       const auto ack = decode<ack_t>(bytes);
-      if (std::find(config_.listeners.begin(), config_.listeners.end(), ack.process) == config_.listeners.end()) break;
+      if (std::find(config_.listeners.begin(), config_.listeners.end(), ack.process) ==
+          config_.listeners.end())
+        break;
       on_ack(ack.process, ack.complete_to);
       if (ack.closed && phase_ == Phase::Ending) closed_.insert(ack.process);
       go_on(now);
@@ -47,9 +49,14 @@ void Leader::receive(Channel channel, std::span<const uint8_t> bytes, Micros now
       if (need.process == kSimulator) on_need(need.step, now);
       break;
     }
-    case Channel::Process: on_process(decode<process_t>(bytes), now); break;
-    case Channel::Request: on_request(decode<request_t>(bytes), now); break;
-    default: on_message(channel, bytes, now);
+    case Channel::Process:
+      on_process(decode<process_t>(bytes), now);
+      break;
+    case Channel::Request:
+      on_request(decode<request_t>(bytes), now);
+      break;
+    default:
+      on_message(channel, bytes, now);
   }
 }
 
@@ -60,7 +67,10 @@ void Leader::on_process(const process_t& process, Micros now) {
   if (process.pid != peer.pid) {
     if (process.utime <= peer.heard) return;  // an old word, overtaken by a newer process'
     if (peer.former.contains(process.pid)) {
-      fail(kTransport, fmt::format("two live processes are named {}: pid {} and pid {}", process.name, peer.pid, process.pid), now);
+      fail(kTransport,
+           fmt::format("two live processes are named {}: pid {} and pid {}", process.name, peer.pid,
+                       process.pid),
+           now);
       return;
     }
     if (peer.pid) peer.former.insert(peer.pid);
@@ -68,24 +78,31 @@ void Leader::on_process(const process_t& process, Micros now) {
   }
   if (process.step > peer.step) silence_.progress();
   peer.state = process.state, peer.step = process.step, peer.heard = std::max(peer.heard, process.utime);
-  if (process.run == config_.run_id && process.model_hash != 0 && process.model_hash != config_.model_hash && phase_ <= Phase::Running) {
-    fail(kNotReady, fmt::format("{} has another model: hash {:016x}, the simulator's is {:016x}", process.name,
-                                static_cast<uint64_t>(process.model_hash), static_cast<uint64_t>(config_.model_hash)), now);
+  if (process.run == config_.run_id && process.model_hash != 0 && process.model_hash != config_.model_hash &&
+      phase_ <= Phase::Running) {
+    fail(kNotReady,
+         fmt::format("{} has another model: hash {:016x}, the simulator's is {:016x}", process.name,
+                     static_cast<uint64_t>(process.model_hash), static_cast<uint64_t>(config_.model_hash)),
+         now);
     return;
   }
-  peer.ready = process.run == config_.run_id && (process.state == "READY" || process.state == "RUNNING" || process.state == "HOLDING");
+  peer.ready = process.run == config_.run_id &&
+               (process.state == "READY" || process.state == "RUNNING" || process.state == "HOLDING");
   start_if_ready(now);
 }
 
 void Leader::on_request(const request_t& request, Micros now) {
   const std::pair<std::string, int64_t> key{request.sender, request.id};
-  if (const auto known = replies_.find(key); known != replies_.end()) return publish_(Channel::Reply, known->second);
+  if (const auto known = replies_.find(key); known != replies_.end())
+    return publish_(Channel::Reply, known->second);
 
   reply_t reply{};
   reply.run = config_.run_id, reply.sender = request.sender, reply.id = request.id;
   reply.step = published_ + 1, reply.utime = utime(reply.step), reply.ok = true;
   const Action action = to_signal(request.action);
-  const auto refuse = [&](const std::string& why) { reply.ok = false, reply.step = -1, reply.utime = 0, reply.reason = why; };
+  const auto refuse = [&](const std::string& why) {
+    reply.ok = false, reply.step = -1, reply.utime = 0, reply.reason = why;
+  };
 
   if (phase_ != Phase::Running || published_ >= last_step_) {
     refuse(phase_ == Phase::Gathering ? "the run has not started" : "the run is ending");
@@ -95,18 +112,24 @@ void Leader::on_request(const request_t& request, Micros now) {
     paused_ = false, single_steps_ = 0;
     on_resume(now);
   } else if (action.verb == "step") {
-    if (!paused_) refuse("the run is not paused");
-    else single_steps_ += action.values.empty() ? 1 : std::max<int64_t>(0, static_cast<int64_t>(action.values[0]));
+    if (!paused_)
+      refuse("the run is not paused");
+    else
+      single_steps_ +=
+          action.values.empty() ? 1 : std::max<int64_t>(0, static_cast<int64_t>(action.values[0]));
   } else if (action.verb == "reset") {
     again_ = config_.no_reset.empty();
-    if (again_) on_reset(request.sender);
-    else refuse(config_.no_reset);
+    if (again_)
+      on_reset(request.sender);
+    else
+      refuse(config_.no_reset);
   } else if (const std::string why = config_.why_not ? config_.why_not(action) : ""; !why.empty()) {
     refuse(why);
   } else {
     input_t input{};
     input.utime = reply.utime, input.run = config_.run_id, input.step = input_step_ = published_ + 1;
-    input.input_seq = ++input_seq_, input.sender = request.sender, input.id = request.id, input.action = request.action;
+    input.input_seq = ++input_seq_, input.sender = request.sender, input.id = request.id,
+    input.action = request.action;
     actions_.push_back(action);
     const Bytes bytes = encode(input);
     on_input(input.step, bytes);
@@ -130,7 +153,8 @@ void Leader::start_if_ready(Micros now) {
 
 void Leader::compose(const Advance& advance, int64_t step, robot_state_t& message, const Put& put) {
   for (size_t i = 0; i < advance.events.size(); ++i)
-    put(Channel::Event, encode(to_message(advance.events[i], kSimulator, step, utime(step), config_.run_id, static_cast<int64_t>(i))));
+    put(Channel::Event, encode(to_message(advance.events[i], kSimulator, step, utime(step), config_.run_id,
+                                          static_cast<int64_t>(i))));
   to_message(advance.state, message);
   message.utime = utime(step), message.run = config_.run_id, message.step = step;
   message.input_seq = input_seq_;
@@ -147,18 +171,24 @@ void Leader::tick(Micros now) {
   switch (phase_) {
     case Phase::Gathering:
       if (silence_.total() > config_.ready_deadline)
-        fail(kNotReady, fmt::format("not ready in {:g} s: {}", config_.ready_deadline * 1e-6, missing_party()), now);
+        fail(kNotReady,
+             fmt::format("not ready in {:g} s: {}", config_.ready_deadline * 1e-6, missing_party()), now);
       break;
-    case Phase::Running: go_on(now); break;
+    case Phase::Running:
+      go_on(now);
+      break;
     case Phase::Ending:
       if (now >= next_end_) publish_(Channel::End, end_), next_end_ = now + kRepeat;
       leave_if_all_closed();
-      if (phase_ == Phase::Ending && silence_.total() > (verdict_.exit_code == kOk ? config_.deadline : std::min(config_.deadline, 20 * kRepeat))) {
+      if (phase_ == Phase::Ending &&
+          silence_.total() >
+              (verdict_.exit_code == kOk ? config_.deadline : std::min(config_.deadline, 20 * kRepeat))) {
         if (verdict_.exit_code == kOk) verdict_ = {true, kTransport, "the log was not closed in time"};
         phase_ = Phase::Over, outcome_ = verdict_;
       }
       break;
-    case Phase::Over: break;
+    case Phase::Over:
+      break;
   }
 }
 

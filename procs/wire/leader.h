@@ -17,28 +17,30 @@ struct LeaderConfig {
   Bytes run;  ///< the encoded RUN message
   int64_t run_id = 0, model_hash = 0, nonce = 0;
   int nq = 0, nv = 0;
-  double dt = 0;          ///< s
-  int64_t last_step = 0;  ///< N
-  int64_t every = 1;      ///< lockstep: a COMMAND is due at every step that this divides
-  int64_t lead = 0;       ///< lockstep: steps that the planner may be ahead
-  Micros wall_offset = 0; ///< real time: wall clock minus the caller's clock
+  double dt = 0;           ///< s
+  int64_t last_step = 0;   ///< N
+  int64_t every = 1;       ///< lockstep: a COMMAND is due at every step that this divides
+  int64_t lead = 0;        ///< lockstep: steps that the planner may be ahead
+  Micros wall_offset = 0;  ///< real time: wall clock minus the caller's clock
   std::vector<std::string> required = {kPlanner, kController, kLogger};  ///< must be READY before step 0
   std::vector<std::string> listeners = {kLogger};                        ///< whose last ACK the end waits for
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
   /// Why an action that a person asks for is impossible; empty = it is not. May be null.
   std::function<std::string(const Action&)> why_not{};
-  std::string no_reset{};  ///< why a person's `reset` is refused; empty: this run ends, and whoever started us starts the next
+  std::string
+      no_reset{};  ///< why a person's `reset` is refused; empty: this run ends, and whoever started us starts the next
 };
 
 /// What one step of the simulator gives.
 struct Advance {
   RobotState state;
   std::vector<Event> events;
-  std::string abort;              ///< not empty: the state cannot be published, the run ends with a safety stop
-  std::string mode = "RUNNING";   ///< RUNNING, HOLDING, FAULT, as in PROCESS
+  std::string abort;  ///< not empty: the state cannot be published, the run ends with a safety stop
+  std::string mode = "RUNNING";  ///< RUNNING, HOLDING, FAULT, as in PROCESS
 };
 /// Makes the state of `step` from the one before. `command` is null when none is new; actions hold from this step on.
-using AdvanceStep = std::function<Advance(int64_t step, const Command* command, std::span<const Action> actions)>;
+using AdvanceStep =
+    std::function<Advance(int64_t step, const Command* command, std::span<const Action> actions)>;
 
 /// The simulator's side of a run, whatever its clock: gathers the required processes, answers people's requests, and
 /// ends the run for everyone. When a step happens is for the Sequencer (lockstep) and the Ticker (real time) to say.
@@ -72,10 +74,10 @@ class Leader : public Role {
   virtual void on_need(int64_t step, Micros now) = 0;
   virtual void on_input(int64_t step, const Bytes& input) = 0;  ///< keeps it for who asks again
   virtual void on_resume(Micros) {}
-  virtual void on_reset(const std::string& /*sender*/) {}       ///< makes the run end soon
-  virtual void begin(Micros now) = 0;                           ///< all are READY: step 0
-  virtual void go_on(Micros now) = 0;                           ///< does the steps that can be done now
-  virtual Micros next_look() const = 0;                         ///< while running
+  virtual void on_reset(const std::string& /*sender*/) {}  ///< makes the run end soon
+  virtual void begin(Micros now) = 0;                      ///< all are READY: step 0
+  virtual void go_on(Micros now) = 0;                      ///< does the steps that can be done now
+  virtual Micros next_look() const = 0;                    ///< while running
   virtual int64_t utime(int64_t step) const = 0;
   virtual int64_t digest_of_last() { return 0; }
 

@@ -70,7 +70,8 @@ void go_realtime(const std::string& name, int urgency) {
   if (sched_setscheduler(0, SCHED_FIFO, &wanted) < 0) missing = "SCHED_FIFO";
   if (mlockall(MCL_CURRENT | MCL_FUTURE) < 0) missing += missing.empty() ? "mlockall" : " and mlockall";
   if (!missing.empty())
-    fmt::print(stderr, "lab-{}: no right to {} here: ticks come later under load (see scripts/lab doctor)\n", name, missing);
+    fmt::print(stderr, "lab-{}: no right to {} here: ticks come later under load (see scripts/lab doctor)\n",
+               name, missing);
 }
 
 int64_t launch_nonce() {
@@ -85,13 +86,15 @@ Participant::Participant(ParticipantOptions options)
       outgoing_(options_.prefix),
       nonce_(launch_nonce()),
       loops_(256, 0.f) {
-  for (const ChannelRow& channel : kChannelTable) wire_names_.push_back(wire_name(channel.id, options_.prefix));
+  for (const ChannelRow& channel : kChannelTable)
+    wire_names_.push_back(wire_name(channel.id, options_.prefix));
   heed_signals();
 }
 
 Publish Participant::publish() {
   return [this](Channel channel, std::span<const uint8_t> bytes) {
-    if (const Verdict verdict = outgoing_.check(channel, bytes); !verdict) throw PublishRefused(verdict.reason);
+    if (const Verdict verdict = outgoing_.check(channel, bytes); !verdict)
+      throw PublishRefused(verdict.reason);
     bus_->publish(wire_names_[static_cast<size_t>(channel)], bytes);
   };
 }
@@ -99,10 +102,14 @@ Publish Participant::publish() {
 void Participant::receive(Role& role, const Datagram& datagram) {
   const auto channel = channel_of(datagram.channel, options_.prefix);
   if (!channel) return;
-  if (!options_.channels.empty() && std::find(options_.channels.begin(), options_.channels.end(), *channel) == options_.channels.end()) return;
+  if (!options_.channels.empty() &&
+      std::find(options_.channels.begin(), options_.channels.end(), *channel) == options_.channels.end())
+    return;
   const Verdict verdict = incoming_.check(*channel, datagram.data);
   switch (verdict.kind) {
-    case Verdict::Foreign: ++foreign_; return;
+    case Verdict::Foreign:
+      ++foreign_;
+      return;
     case Verdict::Refused:
       ++rejected_;
       last_rejected_ = verdict.reason;
@@ -110,7 +117,8 @@ void Participant::receive(Role& role, const Datagram& datagram) {
                     only_not_finite(*channel, datagram.data), verdict.reason},
                    monotonic_now());
       return;
-    case Verdict::Accepted: break;
+    case Verdict::Accepted:
+      break;
   }
   ++received_;
   role.receive(*channel, datagram.data, monotonic_now());
@@ -135,10 +143,13 @@ int Participant::run(Role& role) {
       const Micros wake = role.lateness() ? role.wake() - kEarly : role.wake();
       const Micros wait = std::clamp<Micros>(std::min(wake, next_process) - before, 0, kRepeat);
       Micros woken = 0;
-      bus_->poll(wait, [&](const Datagram& datagram) {
-        if (!woken) woken = monotonic_now();
-        receive(role, datagram);
-      }, role.batch());
+      bus_->poll(
+          wait,
+          [&](const Datagram& datagram) {
+            if (!woken) woken = monotonic_now();
+            receive(role, datagram);
+          },
+          role.batch());
       if (interrupted && !stopping) stopping = true, role.stop(monotonic_now());
       const Micros now = monotonic_now();
       role.tick(now);
@@ -170,17 +181,20 @@ void Participant::say_process(Role& role, const std::string& state) {
   process.nonce = nonce_, process.model_hash = role.model_hash();
   process.received = received_, process.lost = bus.lost, process.late = role.late();
   process.rejected = rejected_, process.foreign = foreign_, process.last_rejected = last_rejected_;
-  std::vector<float> loops(loops_.begin(), loops_.begin() + static_cast<std::ptrdiff_t>(std::min(next_loop_, loops_.size())));
+  std::vector<float> loops(loops_.begin(),
+                           loops_.begin() + static_cast<std::ptrdiff_t>(std::min(next_loop_, loops_.size())));
   if (!loops.empty()) {
     std::sort(loops.begin(), loops.end());
-    process.loop_p50 = loops[loops.size() / 2], process.loop_p99 = loops[loops.size() * 99 / 100], process.loop_max = loops.back();
+    process.loop_p50 = loops[loops.size() / 2], process.loop_p99 = loops[loops.size() * 99 / 100],
+    process.loop_max = loops.back();
   }
   const auto last = std::find_if(loop_counts_.rbegin(), loop_counts_.rend(), [](int64_t n) { return n > 0; });
   process.loops.assign(loop_counts_.begin(), last.base());
   process.nloops = static_cast<int32_t>(process.loops.size());
   if (const Lateness* late = role.lateness()) {
     process.overruns = role.overruns();
-    process.lateness_p50 = static_cast<float>(late->quantile(0.5)), process.lateness_p99 = static_cast<float>(late->quantile(0.99));
+    process.lateness_p50 = static_cast<float>(late->quantile(0.5)),
+    process.lateness_p99 = static_cast<float>(late->quantile(0.99));
     process.lateness_max = static_cast<float>(late->longest());
   }
   publish()(Channel::Process, encode(process));

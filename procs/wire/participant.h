@@ -12,10 +12,10 @@
 namespace lab {
 
 struct ParticipantOptions {
-  std::string name;                ///< as in PROCESS
-  std::string url;                 ///< empty: env LCM_DEFAULT_URL or LCM's default
-  std::string prefix;              ///< of channel names
-  std::vector<Channel> channels;   ///< to listen to; empty: all
+  std::string name;               ///< as in PROCESS
+  std::string url;                ///< empty: env LCM_DEFAULT_URL or LCM's default
+  std::string prefix;             ///< of channel names
+  std::vector<Channel> channels;  ///< to listen to; empty: all
 };
 
 /// The shell around a role: the only place where a process of the lab meets socket, clock and signals.
@@ -42,7 +42,7 @@ class Participant {
   int64_t nonce_;
   int64_t received_ = 0, rejected_ = 0, foreign_ = 0;
   std::string last_rejected_;
-  std::vector<float> loops_;  ///< us, the last few hundred
+  std::vector<float> loops_;                      ///< us, the last few hundred
   std::array<int64_t, kLoopBins> loop_counts_{};  ///< of all since the start
   size_t next_loop_ = 0;
 };

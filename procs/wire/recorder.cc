@@ -11,8 +11,13 @@
 
 namespace lab {
 
-Recorder::Recorder(RecorderConfig config, BeginRun begin, std::function<std::vector<Bytes>(int64_t)> types, LogSink& sink, Publish publish)
-    : config_(std::move(config)), begin_(std::move(begin)), types_(std::move(types)), sink_(sink), publish_(std::move(publish)) {}
+Recorder::Recorder(RecorderConfig config, BeginRun begin, std::function<std::vector<Bytes>(int64_t)> types,
+                   LogSink& sink, Publish publish)
+    : config_(std::move(config)),
+      begin_(std::move(begin)),
+      types_(std::move(types)),
+      sink_(sink),
+      publish_(std::move(publish)) {}
 
 std::string Recorder::state() const {
   if (outcome_.exit_code != kOk) return "FAULT";
@@ -33,7 +38,9 @@ void Recorder::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
       if (run_ == 0) on_run(bytes);
       break;
     case Channel::Process:
-    case Channel::Frame: sink_.telemetry(channel, bytes); break;
+    case Channel::Frame:
+      sink_.telemetry(channel, bytes);
+      break;
     case Channel::RobotState:
     case Channel::Reference:
     case Channel::Command:
@@ -55,7 +62,8 @@ void Recorder::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
         send_ack();
       }
       break;
-    default: break;
+    default:
+      break;
   }
 } catch (const std::exception& error) {
   fail(kDied, error.what());
@@ -79,7 +87,8 @@ void Recorder::on_run(std::span<const uint8_t> bytes) {
     for (const Bytes& type : types_(message.run)) sink_.append(Channel::Type, type, 0);
     sink_.flush();
   }
-  if (begun && config_.every != 1) return fail(kBadConfig, "cannot go on with a log of which only some steps were written");
+  if (begun && config_.every != 1)
+    return fail(kBadConfig, "cannot go on with a log of which only some steps were written");
   flushed_ = written_;
   run_ = message.run;
   send_ack();
@@ -93,7 +102,8 @@ void Recorder::write_as_it_comes(Channel channel, std::span<const uint8_t> bytes
     input_seq_ = seq;
   }
   const int64_t step = peek_step(bytes);
-  if (step % config_.every == 0 || channel == Channel::Input || channel == Channel::Event) sink_.append(channel, bytes, peek_utime(bytes));
+  if (step % config_.every == 0 || channel == Channel::Input || channel == Channel::Event)
+    sink_.append(channel, bytes, peek_utime(bytes));
   if (channel == Channel::RobotState) written_ = std::max(written_, step);
 }
 
@@ -128,7 +138,9 @@ void Recorder::write_matching_steps(Micros now) {
     record->trim();
     if (record->digest() != *wanted) break;
     if (step % config_.every == 0 || (end_ && end_->step == step))
-      record->in_order([&](Channel channel, const Bytes& bytes) { sink_.append(channel, bytes, step_utime(step, setup_.dt)); });
+      record->in_order([&](Channel channel, const Bytes& bytes) {
+        sink_.append(channel, bytes, step_utime(step, setup_.dt));
+      });
     written_ = step;
     patience_.reset(now);
     if (written_ - flushed_ >= kWindow / 4) flush();
@@ -144,7 +156,8 @@ void Recorder::flush() {
 
 void Recorder::send_ack() {
   ack_t ack{};
-  ack.run = run_, ack.step = ack.complete_to = flushed_, ack.utime = step_utime(std::max<int64_t>(flushed_, 0), setup_.dt);
+  ack.run = run_, ack.step = ack.complete_to = flushed_,
+  ack.utime = step_utime(std::max<int64_t>(flushed_, 0), setup_.dt);
   ack.process = kLogger, ack.closed = closed_;
   publish_(Channel::Ack, encode(ack));
 }
@@ -180,14 +193,18 @@ void Recorder::tick(Micros now) try {
   if (run_ == 0 && silence_.total() > config_.ready_deadline)
     fail(kNotReady, fmt::format("no RUN from the simulator in {:g} s", config_.ready_deadline * 1e-6));
   else if (run_ != 0 && silence_.total() > config_.deadline) {
-    if (!closed_) fail(kTransport, fmt::format("nothing heard in {:g} s after step {}", config_.deadline * 1e-6, written_));
+    if (!closed_)
+      fail(kTransport,
+           fmt::format("nothing heard in {:g} s after step {}", config_.deadline * 1e-6, written_));
     stop(now);
   }
 } catch (const std::exception& error) {
   fail(kDied, error.what());
 }
 
-Micros Recorder::wake() const { return closed_ || (run_ != 0 && setup_.realtime) ? next_ack_ : std::min(patience_.due(), next_ack_); }
+Micros Recorder::wake() const {
+  return closed_ || (run_ != 0 && setup_.realtime) ? next_ack_ : std::min(patience_.due(), next_ack_);
+}
 
 void Recorder::stop(Micros now) try {
   if (end_ && !closed_ && last_word_ == 0) {  // the end has been said: what is missing of it may still come

@@ -38,7 +38,8 @@ struct RecorderConfig {
 class Recorder : public Role {
  public:
   /// `begin` gives the sizes of the run; `types` are the encoded TYPE messages of a run, in the order of the log.
-  Recorder(RecorderConfig config, BeginRun begin, std::function<std::vector<Bytes>(int64_t run)> types, LogSink& sink, Publish publish);
+  Recorder(RecorderConfig config, BeginRun begin, std::function<std::vector<Bytes>(int64_t run)> types,
+           LogSink& sink, Publish publish);
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
@@ -80,7 +81,7 @@ class Recorder : public Role {
   int64_t flushed_ = kBeforeStart;  ///< last step that the kernel has
   int64_t highest_ = kBeforeStart;  ///< last step of which anything was seen
   int64_t hurried_ = kBeforeStart - 1;
-  int64_t input_seq_ = 0;           ///< real time: last INPUT written
+  int64_t input_seq_ = 0;  ///< real time: last INPUT written
   std::optional<end_t> end_;
   Bytes end_bytes_;
   bool closed_ = false;

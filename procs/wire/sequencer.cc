@@ -45,7 +45,8 @@ void Sequencer::refused(const Refusal& refusal, Micros now) {
   last_refusal_ = refusal.reason;
   if (phase_ != Phase::Running || refusal.step < published_) return;
   const char* who = refusal.channel == Channel::Command ? kController : kPlanner;
-  fail(refusal.non_finite ? kSafety : kTransport, fmt::format("{}'s message for step {} was refused: {}", who, refusal.step, refusal.reason), now);
+  fail(refusal.non_finite ? kSafety : kTransport,
+       fmt::format("{}'s message for step {} was refused: {}", who, refusal.step, refusal.reason), now);
 }
 
 void Sequencer::on_need(int64_t step, Micros now) {
@@ -79,7 +80,8 @@ bool Sequencer::answered(int64_t step) {
 }
 
 bool Sequencer::credit_for(int64_t step) const {
-  return std::all_of(acks_.begin(), acks_.end(), [&](const auto& ack) { return ack.second >= step - kWindow; });
+  return std::all_of(acks_.begin(), acks_.end(),
+                     [&](const auto& ack) { return ack.second >= step - kWindow; });
 }
 
 void Sequencer::go_on(Micros now) {
@@ -108,7 +110,8 @@ bool Sequencer::publish_state(int64_t step, Micros now) {
     }
   }
   const Advance advance = advance_(step, fresh, actions_);
-  if (!advance.abort.empty()) return fail(kSafety, fmt::format("step {}: {}", step, advance.abort), now), false;
+  if (!advance.abort.empty())
+    return fail(kSafety, fmt::format("step {}: {}", step, advance.abort), now), false;
 
   StepRecord& record = ring_.at(step);
   message.command_step = step > 0 ? (step - 1) / config_.every * config_.every : -1;
@@ -127,8 +130,10 @@ void Sequencer::tick(Micros now) {
   if (paused_ && answered(published_)) silence_.progress();
   if (patience_.expired(now)) ask_for_answers();
   if (silence_.total() > config_.deadline)
-    fail(kTransport, fmt::format("{} in {:g} s{}", silent_party(), config_.deadline * 1e-6,
-                                 last_refusal_.empty() ? "" : "; last refused: " + last_refusal_), now);
+    fail(kTransport,
+         fmt::format("{} in {:g} s{}", silent_party(), config_.deadline * 1e-6,
+                     last_refusal_.empty() ? "" : "; last refused: " + last_refusal_),
+         now);
 }
 
 void Sequencer::ask_for_answers() {
@@ -150,8 +155,10 @@ void Sequencer::ask_for_answers() {
 /// Who keeps the run from going on, in words.
 std::string Sequencer::silent_party() {
   const StepRecord* record = ring_.find(published_);
-  if (!record->closed_by(kPlanner)) return fmt::format("{} gave no REFERENCE for step {}", kPlanner, published_);
-  if (command_due(published_) && !record->closed_by(kController)) return fmt::format("{} gave no COMMAND for step {}", kController, published_);
+  if (!record->closed_by(kPlanner))
+    return fmt::format("{} gave no REFERENCE for step {}", kPlanner, published_);
+  if (command_due(published_) && !record->closed_by(kController))
+    return fmt::format("{} gave no COMMAND for step {}", kController, published_);
   for (const auto& [name, ack] : acks_)
     if (ack < published_ + 1 - kWindow) return fmt::format("{} wrote nothing after step {}", name, ack);
   return fmt::format("nothing went on after step {}", published_);

@@ -22,7 +22,9 @@ class Sequencer : public Leader {
   void on_message(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void on_ack(const std::string& process, int64_t complete_to) override;
   void on_need(int64_t step, Micros now) override;
-  void on_input(int64_t step, const Bytes& input) override { ring_.at(step).file(Channel::Input, input, false); }
+  void on_input(int64_t step, const Bytes& input) override {
+    ring_.at(step).file(Channel::Input, input, false);
+  }
   void begin(Micros now) override;
   void go_on(Micros now) override;
   Micros next_look() const override { return patience_.due(); }

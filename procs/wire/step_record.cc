@@ -29,7 +29,9 @@ bool assign(Bytes& place, std::span<const uint8_t> bytes, bool replace) {
 int64_t peek_utime(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 8); }
 int64_t peek_run(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 16); }
 int64_t peek_step(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 24); }
-int64_t peek_digest(std::span<const uint8_t> robot_state) { return big_endian<int64_t>(robot_state, robot_state.size() - 12); }
+int64_t peek_digest(std::span<const uint8_t> robot_state) {
+  return big_endian<int64_t>(robot_state, robot_state.size() - 12);
+}
 int32_t peek_extras(std::span<const uint8_t> main_message) {
   return big_endian<int32_t>(main_message, main_message.size() - 4);
 }
@@ -43,15 +45,20 @@ void StepRecord::clear(int64_t new_step) {
 
 bool StepRecord::file(Channel channel, std::span<const uint8_t> bytes, bool replace) {
   switch (channel) {
-    case Channel::RobotState: return assign(state, bytes, replace);
-    case Channel::Reference: return assign(reference, bytes, replace);
-    case Channel::Command: return assign(command, bytes, replace);
-    case Channel::Input: return assign(inputs[decode<input_t>(bytes).input_seq], bytes, replace);
+    case Channel::RobotState:
+      return assign(state, bytes, replace);
+    case Channel::Reference:
+      return assign(reference, bytes, replace);
+    case Channel::Command:
+      return assign(command, bytes, replace);
+    case Channel::Input:
+      return assign(inputs[decode<input_t>(bytes).input_seq], bytes, replace);
     case Channel::Event: {
       const auto event = decode<event_t>(bytes);
       return assign(events[{event.process, event.index}], bytes, replace);
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 
@@ -88,7 +95,8 @@ void StepRecord::trim() {
 }
 
 int64_t StepRecord::digest() const {
-  static thread_local const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+  static thread_local const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(),
+                                                                                           XXH3_freeState);
   XXH3_64bits_reset(state.get());
   in_order([&](Channel channel, const Bytes& bytes) {
     const uint64_t head[2] = {static_cast<uint64_t>(channel), bytes.size()};

@@ -22,7 +22,8 @@ void Ticker::on_message(Channel channel, std::span<const uint8_t> bytes, Micros)
 
 /// A flood of bad commands gets one EVENT in a hundred steps.
 void Ticker::refused(const Refusal& refusal, Micros) {
-  if (refusal.channel != Channel::Command || phase_ != Phase::Running || published_ < refused_at_ + 100) return;
+  if (refusal.channel != Channel::Command || phase_ != Phase::Running || published_ < refused_at_ + 100)
+    return;
   refused_at_ = published_;
   noticed_.push_back({"command_rejected", kController, refusal.reason});
 }
@@ -68,7 +69,8 @@ void Ticker::go_on(Micros now) {
       lateness_.add(late);
       overruns_ += static_cast<double>(late) > config_.dt * 1e6;
       if (late > kSlip) {
-        noticed_.push_back({"clock_slipped", kSimulator, fmt::format("stood still for {} ms; time goes on from here", late / 1000)});
+        noticed_.push_back({"clock_slipped", kSimulator,
+                            fmt::format("stood still for {} ms; time goes on from here", late / 1000)});
         start_grid(now);
       }
     }

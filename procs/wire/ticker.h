@@ -33,7 +33,9 @@ class Ticker : public Leader {
   Micros next_look() const override { return due(published_ + 1); }
   int64_t utime(int64_t step) const override { return due(step) + config_.wall_offset; }
 
-  Micros due(int64_t step) const { return grid_start_ + std::llround(static_cast<double>(step - grid_step_) * config_.dt * 1e6); }
+  Micros due(int64_t step) const {
+    return grid_start_ + std::llround(static_cast<double>(step - grid_step_) * config_.dt * 1e6);
+  }
   void start_grid(Micros now);
   void take_step(Micros now);
   static command_t none() {
@@ -44,11 +46,11 @@ class Ticker : public Leader {
 
   int64_t grid_step_ = 0;  ///< is due at grid_start_
   Micros grid_start_ = 0;
-  bool fresh_ = false;     ///< command_ has not been used
-  command_t command_ = none();  ///< the newest
-  std::vector<Event> noticed_;    ///< events for the next state
+  bool fresh_ = false;               ///< command_ has not been used
+  command_t command_ = none();       ///< the newest
+  std::vector<Event> noticed_;       ///< events for the next state
   int64_t refused_at_ = -1'000'000;  ///< step of the last EVENT about a refused command
-  std::vector<Bytes> inputs_;     ///< all of them, for processes that join again
+  std::vector<Bytes> inputs_;        ///< all of them, for processes that join again
   Lateness lateness_;
   int64_t overruns_ = 0;
 };

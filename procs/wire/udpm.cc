@@ -25,7 +25,7 @@ namespace {
 using namespace udpm;
 
 constexpr int kBatch = 16;          // packets a system call
-constexpr int64_t kSpin = 30;         // us to look for the next packet before the sleep
+constexpr int64_t kSpin = 30;       // us to look for the next packet before the sleep
 constexpr int kMostPerPoll = 1024;  // messages, so that a flood cannot hold the caller for ever
 constexpr size_t kMostSenders = 4096;
 constexpr int32_t kRestarted = 1000;  // a sequence number so far back means a new process on an old port

@@ -25,20 +25,34 @@ namespace {
 template <class F>
 void with_type(Channel channel, F&& f) {
   switch (channel) {
-    case Channel::Run: return f(run_t{});
-    case Channel::Type: return f(type_t{});
-    case Channel::RobotState: return f(robot_state_t{});
-    case Channel::Reference: return f(reference_t{});
-    case Channel::Command: return f(command_t{});
-    case Channel::Request: return f(request_t{});
-    case Channel::Reply: return f(reply_t{});
-    case Channel::Input: return f(input_t{});
-    case Channel::Event: return f(event_t{});
-    case Channel::End: return f(end_t{});
-    case Channel::Ack: return f(ack_t{});
-    case Channel::Need: return f(need_t{});
-    case Channel::Process: return f(process_t{});
-    case Channel::Frame: return f(frame_t{});
+    case Channel::Run:
+      return f(run_t{});
+    case Channel::Type:
+      return f(type_t{});
+    case Channel::RobotState:
+      return f(robot_state_t{});
+    case Channel::Reference:
+      return f(reference_t{});
+    case Channel::Command:
+      return f(command_t{});
+    case Channel::Request:
+      return f(request_t{});
+    case Channel::Reply:
+      return f(reply_t{});
+    case Channel::Input:
+      return f(input_t{});
+    case Channel::Event:
+      return f(event_t{});
+    case Channel::End:
+      return f(end_t{});
+    case Channel::Ack:
+      return f(ack_t{});
+    case Channel::Need:
+      return f(need_t{});
+    case Channel::Process:
+      return f(process_t{});
+    case Channel::Frame:
+      return f(frame_t{});
   }
 }
 
@@ -50,12 +64,14 @@ std::vector<std::vector<uint8_t>> seeds() {
     all.push_back(encode(message));
     all.back().insert(all.back().begin(), static_cast<uint8_t>(channel));
   };
-  for (const ChannelRow& channel : kChannelTable) with_type(channel.id, [&](const auto& message) { add(channel.id, message); });
+  for (const ChannelRow& channel : kChannelTable)
+    with_type(channel.id, [&](const auto& message) { add(channel.id, message); });
   robot_state_t state{};
   state.run = 7, state.nq = state.nv = 2, state.q = state.v = state.tau = {0.25, -1e300};
   add(Channel::RobotState, state);
   run_t run{};
-  run.run = 7, run.nq = run.nv = run.njoints = 2, run.joint_names = {"a", "b"}, run.experiment = "robot: {}\n", run.urdf = "<robot/>";
+  run.run = 7, run.nq = run.nv = run.njoints = 2, run.joint_names = {"a", "b"},
+  run.experiment = "robot: {}\n", run.urdf = "<robot/>";
   add(Channel::Run, run);
   request_t request{};
   request.sender = "me", request.action.verb = "goal", request.action.n = 2, request.action.values = {1, 2};
@@ -82,11 +98,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   fuzz::with_type(channel, [&](auto message) {
     decode(data, message);
     const auto again = encode(message);
-    fuzz::demand(std::equal(again.begin(), again.end(), data.begin(), data.end()), "decoded and encoded, it is another message");
-    fuzz::demand(message.utime == verdict.head.utime && message.run == verdict.head.run && message.step == verdict.head.step, "another head");
+    fuzz::demand(std::equal(again.begin(), again.end(), data.begin(), data.end()),
+                 "decoded and encoded, it is another message");
+    fuzz::demand(message.utime == verdict.head.utime && message.run == verdict.head.run &&
+                     message.step == verdict.head.step,
+                 "another head");
   });
   const Schema& schema = lab_schema();
   const Value value = schema.decode(*schema.find(row(channel).type), data);
-  fuzz::demand(value.at("utime") && value.at("utime")->number() == static_cast<double>(verdict.head.utime), "the schema decodes another utime");
+  fuzz::demand(value.at("utime") && value.at("utime")->number() == static_cast<double>(verdict.head.utime),
+               "the schema decodes another utime");
   return 0;
 }

@@ -21,7 +21,8 @@ std::vector<std::vector<uint8_t>> seeds() {
   for (uint64_t number = 0; number < 5; ++number) {
     const std::string channel = number % 2 ? "A" : "ROBOT_STATE";
     std::vector<uint8_t>& log = all[1];
-    put(log, 0xEDA1DA01, 4), put(log, number, 8), put(log, 1000 * number, 8), put(log, channel.size(), 4), put(log, 7 * number, 4);
+    put(log, 0xEDA1DA01, 4), put(log, number, 8), put(log, 1000 * number, 8), put(log, channel.size(), 4),
+        put(log, 7 * number, 4);
     log.insert(log.end(), channel.begin(), channel.end());
     log.resize(log.size() + 7 * number, 0xED);
   }
@@ -38,10 +39,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     LogReader reader("/proc/self/fd/" + std::to_string(file));
     uint64_t end = 0, given = 0, skipped = 0;
     for (LogEvent event; reader.next(event);) {
-      fuzz::demand(event.offset >= end && event.size == 28 + event.channel.size() + event.data.size(), "an event out of order, or of another size");
+      fuzz::demand(event.offset >= end && event.size == 28 + event.channel.size() + event.data.size(),
+                   "an event out of order, or of another size");
       end = event.offset + event.size, given += event.size;
       fuzz::demand(end <= size, "an event beyond the end");
-      fuzz::demand(std::equal(event.data.begin(), event.data.end(), bytes + end - event.data.size()), "other bytes than in the file");
+      fuzz::demand(std::equal(event.data.begin(), event.data.end(), bytes + end - event.data.size()),
+                   "other bytes than in the file");
     }
     for (const auto& gap : reader.skipped()) skipped += gap.bytes;
     fuzz::demand(given + skipped + reader.tail() == size, "bytes that are neither given, skipped nor left");

@@ -11,8 +11,10 @@ namespace lab::fuzz {
 
 std::vector<std::vector<uint8_t>> seeds() {
   std::vector<std::string> texts = lcm_texts();
-  texts.push_back("package a;\nenum kind_t { ONE = 1, TWO }\nstruct inner_t { byte n; int8_t x[n][2]; }\n"
-                  "struct outer_t { const int32_t K = -3, L = 0x10; kind_t kind; int32_t m; a.inner_t in[m]; string s[2]; boolean b; float f; }\n");
+  texts.push_back(
+      "package a;\nenum kind_t { ONE = 1, TWO }\nstruct inner_t { byte n; int8_t x[n][2]; }\n"
+      "struct outer_t { const int32_t K = -3, L = 0x10; kind_t kind; int32_t m; a.inner_t in[m]; string "
+      "s[2]; boolean b; float f; }\n");
   std::vector<std::vector<uint8_t>> all;
   for (const std::string& text : texts) {
     all.emplace_back(text.begin(), text.end());

@@ -5,12 +5,11 @@
 //   other_model  is ready with another model
 #include <unistd.h>
 
-#include <limits>
-#include <string>
-
 #include <lab/command_t.hpp>
 #include <lab/process_t.hpp>
 #include <lab/robot_state_t.hpp>
+#include <limits>
+#include <string>
 
 #include "procs/wire/bus.h"
 #include "procs/wire/participant.h"
@@ -43,7 +42,9 @@ int main(int argc, char** argv) {
       if (datagram.channel == "END") ended = true;
       if (datagram.channel == "PROCESS") {  // echo the simulator's run and model
         lab::process_t process;
-        if (process.decode(datagram.data.data(), 0, static_cast<int>(datagram.data.size())) < 0 || process.name != "simulator") return;
+        if (process.decode(datagram.data.data(), 0, static_cast<int>(datagram.data.size())) < 0 ||
+            process.name != "simulator")
+          return;
         me.run = process.run, me.model_hash = mode == "other_model" ? 0xdeadbeef : process.model_hash;
       }
       if (datagram.channel != "ROBOT_STATE") return;

@@ -78,7 +78,7 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
         Lanes4 f[6];
         for (int r = 0; r < 6; ++r) f[r] = loadLanes(up + r * stride + c);
         const Lanes4 x = loadLanes(row + c) + scale * ((U[0] * f[0] + U[1] * f[1] + U[2] * f[2]) +
-                                                 (U[3] * f[3] + U[4] * f[4] + U[5] * f[5]));
+                                                       (U[3] * f[3] + U[4] * f[4] + U[5] * f[5]));
         storeLanes(row + c, x);
         for (int r = 0; r < 6; ++r) storeLanes(P + r * stride + c, f[r] + S[r] * x);
       }

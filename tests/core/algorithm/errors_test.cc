@@ -54,7 +54,7 @@ TEST_F(Errors, SizesAreNamed) {
 // Vectors of the model that anybody may write.
 TEST_F(Errors, SizesOfTheModelsOwnVectors) {
   Data data(model);
-  for (Eigen::VectorXd Model::*list :
+  for (Eigen::VectorXd Model::* list :
        {&Model::armature, &Model::rotorInertia, &Model::rotorGearRatio, &Model::damping, &Model::friction}) {
     Model broken = model;
     (broken.*list).setZero(3);

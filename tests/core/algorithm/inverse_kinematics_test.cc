@@ -416,15 +416,12 @@ TEST(InverseKinematics, MistakesAreNamed) {
   says(
       "position_tolerance is 0.000000, it must be positive", {good},
       [](IkOptions& o) { o.position_tolerance = 0; }, q);
-  says(
-      "length is nan", {good}, [](IkOptions& o) { o.length = NAN; }, q);
-  says(
-      "rest has 3 entries", {good}, [&](IkOptions& o) { o.rest = three; }, q);
+  says("length is nan", {good}, [](IkOptions& o) { o.length = NAN; }, q);
+  says("rest has 3 entries", {good}, [&](IkOptions& o) { o.rest = three; }, q);
   says(
       "rest_weight must be between 0 and 1", {good},
       [&](IkOptions& o) { o.rest_weight = Eigen::Vector2d(2, 0); }, q);
-  says(
-      "iterations and restarts", {good}, [](IkOptions& o) { o.restarts = -1; }, q);
+  says("iterations and restarts", {good}, [](IkOptions& o) { o.restarts = -1; }, q);
   Model other;
   buildModels::manipulator(other);
   IkScratch foreign(other);

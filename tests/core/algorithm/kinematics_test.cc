@@ -152,7 +152,8 @@ TEST_P(Trees, JointJacobiansAreWorldColumns) {
   const Data copy = data;
   forwardKinematics(model, data, s.q);
   // the same sums, compiled twice: a few last bits
-  for (JointIndex i = 1; i < model.njoints; ++i) EXPECT_TRUE(copy.oMi[i].isApprox(data.oMi[i], 20 * kEps * i));
+  for (JointIndex i = 1; i < model.njoints; ++i)
+    EXPECT_TRUE(copy.oMi[i].isApprox(data.oMi[i], 20 * kEps * i));
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, Trees, ::testing::Range(0, 8));

@@ -158,17 +158,11 @@ TEST(Model, JointFramesKeepTheirNames) {
 
 TEST(Model, JointsThatCannotBe) {
   const double nan = std::nan("");
-  EXPECT_NE(errorOf([&] {
-              JointModelHelicalUnaligned({1, 0, 0}, nan);
-            }).find("pitch must be finite"),
+  EXPECT_NE(errorOf([&] { JointModelHelicalUnaligned({1, 0, 0}, nan); }).find("pitch must be finite"),
             std::string::npos);
-  EXPECT_NE(errorOf([&] {
-              JointModelUniversal({1, 0, 0}, {-2, 0, 0});
-            }).find("must not be parallel"),
+  EXPECT_NE(errorOf([&] { JointModelUniversal({1, 0, 0}, {-2, 0, 0}); }).find("must not be parallel"),
             std::string::npos);
-  EXPECT_NE(errorOf([&] {
-              JointModelPlanar({0, 0, 0});
-            }).find("axis must be finite and not zero"),
+  EXPECT_NE(errorOf([&] { JointModelPlanar({0, 0, 0}); }).find("axis must be finite and not zero"),
             std::string::npos);
   EXPECT_NE(errorOf([&] { JointModelContinuous(0, INFINITY, 0); }).find("axis"), std::string::npos);
   EXPECT_NE(

@@ -44,7 +44,7 @@ class Reduced : public ::testing::TestWithParam<int> {
   void SetUp() override {
     // every number a joint may have, in every model; the rotors of followers do not exist
     model.terms = free.terms = {true, true, true, true};
-    for (Eigen::VectorXd Model::*list :
+    for (Eigen::VectorXd Model::* list :
          {&Model::armature, &Model::rotorInertia, &Model::rotorGearRatio, &Model::damping, &Model::friction,
           &Model::lowerEffortLimit, &Model::upperEffortLimit, &Model::lowerVelocityLimit,
           &Model::upperVelocityLimit}) {
@@ -116,13 +116,13 @@ TEST_P(Reduced, KeepsNamesFramesAndNumbers) {
     const JointModel &x = model.joints[j], &y = reduced.joints[k];
     EXPECT_EQ(x.shortname(), y.shortname());
     EXPECT_EQ(x.mimics(), y.mimics());
-    for (Eigen::VectorXd Model::*list :
+    for (Eigen::VectorXd Model::* list :
          {&Model::armature, &Model::rotorInertia, &Model::rotorGearRatio, &Model::damping, &Model::friction,
           &Model::lowerEffortLimit, &Model::upperEffortLimit, &Model::lowerVelocityLimit,
           &Model::upperVelocityLimit}) {
       EXPECT_EQ((reduced.*list).segment(y.idx_v(), y.nv()), (model.*list).segment(x.idx_v(), x.nv()));
     }
-    for (Eigen::VectorXd Model::*list : {&Model::lowerPositionLimit, &Model::upperPositionLimit})
+    for (Eigen::VectorXd Model::* list : {&Model::lowerPositionLimit, &Model::upperPositionLimit})
       EXPECT_EQ((reduced.*list).segment(y.idx_q(), y.nq()), (model.*list).segment(x.idx_q(), x.nq()));
   }
   EXPECT_EQ(reduced.njoints, moving);

@@ -7,14 +7,17 @@
 namespace {
 
 const char* const kPendulum =
-    "<robot name='pendulum'><link name='base'/><link name='rod'><inertial><origin xyz='0 0 -0.5'/><mass value='2'/>"
+    "<robot name='pendulum'><link name='base'/><link name='rod'><inertial><origin xyz='0 0 -0.5'/><mass "
+    "value='2'/>"
     "<inertia ixx='0.1' iyy='0.1' izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial></link>"
-    "<joint name='hinge' type='continuous'><parent link='base'/><child link='rod'/><axis xyz='0 1 0'/></joint></robot>";
+    "<joint name='hinge' type='continuous'><parent link='base'/><child link='rod'/><axis xyz='0 1 "
+    "0'/></joint></robot>";
 
 // Forward dynamics undo inverse dynamics, and M a + nle is the same effort.
 double closure(const rbd::Model& model) {
   rbd::Data data(model);
-  const Eigen::VectorXd q = rbd::randomConfiguration(model, 7), v = Eigen::VectorXd::LinSpaced(model.nv, -1, 1),
+  const Eigen::VectorXd q = rbd::randomConfiguration(model, 7),
+                        v = Eigen::VectorXd::LinSpaced(model.nv, -1, 1),
                         a = Eigen::VectorXd::LinSpaced(model.nv, 1, 3);
   const Eigen::VectorXd tau = rbd::rnea(model, data, q, v, a);
   const Eigen::VectorXd sum = rbd::crba(model, data, q) * a + rbd::nonLinearEffects(model, data, q, v);

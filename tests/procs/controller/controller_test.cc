@@ -158,7 +158,8 @@ TEST(Controller, GainsCanBeSetWhileItRuns) {
   EXPECT_NEAR(out.command.tau[2], 3 * (r.q[2] - s.q[2]), 1e-12);
   const std::pair<Action, const char*> refused[] = {
       {{"set", "controller", "ki", "", {1}},
-       "'set ki': the controller has no 'ki' to set; did you mean 'kp'? (it has kp, kd, stiffness, damping, com_gain)"},
+       "'set ki': the controller has no 'ki' to set; did you mean 'kp'? (it has kp, kd, stiffness, damping, "
+       "com_gain)"},
       {{"set", "controller", "kp", "", {1, 2}}, "'set kp': kp has 2 values, needed 1 or 6"},
       {{"set", "controller", "kd", "", {-1}}, "'set kd': kd is -1, must be finite and at least 0"},
       {{"set", "controller", "kd", "", {NAN}}, "'set kd': kd is nan, must be finite and at least 0"},
@@ -225,10 +226,11 @@ TEST(Controller, CutsItsCommandAtTheLimitsAndSaysSoOnce) {
 
 // a row of one's own, with a memory: its third command knows the two errors before
 TEST(Controller, TakesKindsOfTheCallers) {
-  const Kind mine[] = {{"sum", "tau = kp (sum of e)", [](const Config& c, State& s, const Input&, Eigen::VectorXd& tau) {
-                          s.memory += c.period * s.e;
-                          tau = s.gains.kp.cwiseProduct(s.memory);
-                        }}};
+  const Kind mine[] = {
+      {"sum", "tau = kp (sum of e)", [](const Config& c, State& s, const Input&, Eigen::VectorXd& tau) {
+         s.memory += c.period * s.e;
+         tau = s.gains.kp.cwiseProduct(s.memory);
+       }}};
   const rbd::Model model = arm();
   Experiment e = with("sum", 10, 0);
   e.simulator.dt = 0.002;

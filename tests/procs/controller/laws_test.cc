@@ -20,7 +20,8 @@ rbd::Model arm() {
   return model;
 }
 
-Experiment impedance(std::array<double, 2> stiffness, std::array<double, 2> damping, double kp = 0, double kd = 0) {
+Experiment impedance(std::array<double, 2> stiffness, std::array<double, 2> damping, double kp = 0,
+                     double kd = 0) {
   Experiment e;
   e.controller.kind = "cartesian_impedance";
   e.controller.frame = kTool;
@@ -47,7 +48,8 @@ Reference elsewhere() {
   return r;
 }
 
-Eigen::VectorXd tau_of(const Experiment& e, const rbd::Model& model, const RobotState& s, const Reference& r) {
+Eigen::VectorXd tau_of(const Experiment& e, const rbd::Model& model, const RobotState& s,
+                       const Reference& r) {
   const Config config = make_config(e, model);
   State state = initial(config);
   return step(config, state, {.state = s, .reference = r}).command.tau;
@@ -117,7 +119,9 @@ rbd::Vector6d displacement(const Experiment& e, const rbd::Model& model, const E
   const std::vector<Action> once{push};
   for (int k = 0; k < 20000; ++k) {
     const Command command = step(config, state, {.state = body.robot, .reference = r}).command;
-    EXPECT_FALSE(simulator::step(plant, body, {.command = &command, .actions = k ? std::span<const Action>() : once}).abort);
+    EXPECT_FALSE(
+        simulator::step(plant, body, {.command = &command, .actions = k ? std::span<const Action>() : once})
+            .abort);
   }
   EXPECT_LT(body.robot.v.norm(), 1e-9) << "not at rest";
   q = body.robot.q;
@@ -168,7 +172,8 @@ TEST(Impedance, WithoutStiffnessAndDampingThePostureIsFree) {
   const RobotState s = somewhere();
   const Reference r = elsewhere();
   rbd::Data data(model);
-  const Eigen::VectorXd wanted = 25 * (r.q - s.q) + 5 * (r.v - s.v) + rbd::nonLinearEffects(model, data, s.q, s.v);
+  const Eigen::VectorXd wanted =
+      25 * (r.q - s.q) + 5 * (r.v - s.v) + rbd::nonLinearEffects(model, data, s.q, s.v);
   EXPECT_LT((tau_of(impedance({0, 0}, {0, 0}, 25, 5), model, s, r) - wanted).norm(), 1e-11);
 }
 
@@ -218,8 +223,7 @@ TEST(ComVelocity, MovesTheCentreOfMassAsWanted) {
   const RobotState s = somewhere();
   const Reference r = elsewhere();
   const Eigen::VectorXd v = wanted_velocity(com(8, 3, 40), 40, model, s, r);
-  const Eigen::Vector3d wanted =
-      com_speed(model, r.q, r.v) + 8 * (com_at(model, r.q) - com_at(model, s.q));
+  const Eigen::Vector3d wanted = com_speed(model, r.q, r.v) + 8 * (com_at(model, r.q) - com_at(model, s.q));
   EXPECT_LT((com_speed(model, s.q, v) - wanted).norm(), 1e-7);
   EXPECT_GT(wanted.norm(), 0.1);
 }
@@ -232,8 +236,7 @@ TEST(ComVelocity, IsTheLeastChangeOfThePosture) {
   const Eigen::VectorXd v = wanted_velocity(com(8, 3, 40), 40, model, s, r), posture = r.v + 3 * (r.q - s.q);
   Eigen::MatrixXd J(3, 6);
   for (int i = 0; i < 6; ++i) J.col(i) = com_speed(model, s.q, Eigen::VectorXd::Unit(6, i));
-  const Eigen::Vector3d wanted =
-      com_speed(model, r.q, r.v) + 8 * (com_at(model, r.q) - com_at(model, s.q));
+  const Eigen::Vector3d wanted = com_speed(model, r.q, r.v) + 8 * (com_at(model, r.q) - com_at(model, s.q));
   const Eigen::VectorXd change =
       Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(J).solve(wanted - J * posture);
   EXPECT_LT((v - posture - change).norm(), 1e-7);  // differences of 1e-9 through the inverse of J
@@ -271,7 +274,8 @@ TEST(ComVelocity, LeavesAloneWhatTheJointsCannotMove) {
   r.v.setZero(), r.a.setZero();
   const Eigen::VectorXd v = wanted_velocity(com(8, 0, 40), 40, model, s, r);
   EXPECT_LT(v.cwiseAbs().maxCoeff(), 20);
-  const Eigen::Vector3d wanted = 8 * (com_at(model, r.q) - com_at(model, s.q)), got = com_speed(model, s.q, v);
+  const Eigen::Vector3d wanted = 8 * (com_at(model, r.q) - com_at(model, s.q)),
+                        got = com_speed(model, s.q, v);
   EXPECT_LT(wanted.z(), -0.05);  // down, which cannot be had
   EXPECT_NEAR(got.x(), wanted.x(), 1e-6);
   EXPECT_NEAR(got.y(), 0, 1e-6);
@@ -294,7 +298,8 @@ TEST(TaskLaws, GainsCanBeSetWhileTheyRun) {
             tau_of(impedance({40, 700}, {3, 50}), model, s, r));
   EXPECT_EQ(live(impedance({40, 700}, {0, 1}), {"set", "controller", "damping", "", {3, 50}}),
             tau_of(impedance({40, 700}, {3, 50}), model, s, r));
-  EXPECT_EQ(live(com(1, 3, 40), {"set", "controller", "com_gain", "", {8}}), tau_of(com(8, 3, 40), model, s, r));
+  EXPECT_EQ(live(com(1, 3, 40), {"set", "controller", "com_gain", "", {8}}),
+            tau_of(com(8, 3, 40), model, s, r));
 }
 
 std::string refusal(const Experiment& e, const rbd::Model& model) {
@@ -305,11 +310,13 @@ TEST(TaskLaws, RefuseWhatTheyCannotDo) {
   Experiment e = impedance({1, 1}, {0, 0});
   e.file = "x.yaml";
   e.controller.frame = "arm_tol_link";
-  EXPECT_EQ(refusal(e, arm()),
-            "x.yaml: controller.frame: 'manipulator' has no frame 'arm_tol_link'; did you mean 'arm_tool_link'?");
+  EXPECT_EQ(
+      refusal(e, arm()),
+      "x.yaml: controller.frame: 'manipulator' has no frame 'arm_tol_link'; did you mean 'arm_tool_link'?");
   e.controller.frame = "";
-  EXPECT_TRUE(refusal(e, arm()).starts_with(
-      "x.yaml: controller.frame: is missing; name the frame that cartesian_impedance holds, one of universe, "));
+  EXPECT_TRUE(
+      refusal(e, arm()).starts_with("x.yaml: controller.frame: is missing; name the frame that "
+                                    "cartesian_impedance holds, one of universe, "));
   rbd::Model humanoid;
   rbd::buildModels::humanoid(humanoid);
   EXPECT_EQ(refusal(com(1, 1, 1), humanoid),

@@ -9,7 +9,8 @@ namespace lab::test {
 
 /// Two joints about z, 1 m apart, that never move but have references, and so errors, of our choice; a tool 1 m
 /// beyond the second. A step takes 0.1 s.
-inline Run by_hand(const std::vector<double>& first, const std::vector<double>& second, const char* second_name = "two") {
+inline Run by_hand(const std::vector<double>& first, const std::vector<double>& second,
+                   const char* second_name = "two") {
   Run run;
   const rbd::Inertia ball = rbd::Inertia::FromSphere(1, 0.1);
   const rbd::SE3 out(Eigen::Matrix3d::Identity(), Eigen::Vector3d(1, 0, 0));

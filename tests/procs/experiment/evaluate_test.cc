@@ -128,10 +128,12 @@ TEST(Evaluate, EnergyBalancesUnderDisturbances) {
   Experiment e;
   e.simulator.duration = 2;
   e.simulator.integrator = "rk4";
-  e.simulator.q0.value = std::vector<double>{2.9, 0.5, -0.5, 0.2, 0.3, 0.1};  // the base begins inside its stop
+  e.simulator.q0.value =
+      std::vector<double>{2.9, 0.5, -0.5, 0.2, 0.3, 0.1};  // the base begins inside its stop
   e.simulator.limit_repulsion = {.stiffness = {200.0}, .damping = {30.0}, .margin = {0.5}};
-  e.simulator.pushes = {{.time = 0.2, .duration = 0.5, .frame = "effector_body", .force = {10, 20, 5}, .torque = {1, -2, 3}},
-                        {.time = 0.5, .duration = 5, .frame = "joint3_elbow", .force = {0, -10, 0}, .torque = {0, 4, 0}}};
+  e.simulator.pushes = {
+      {.time = 0.2, .duration = 0.5, .frame = "effector_body", .force = {10, 20, 5}, .torque = {1, -2, 3}},
+      {.time = 0.5, .duration = 5, .frame = "joint3_elbow", .force = {0, -10, 0}, .torque = {0, 4, 0}}};
   e.simulator.payloads = {{.time = 0, .frame = "effector_body", .mass = 1, .com = {0, 0.1, 0.1}},
                           {.time = 0.8, .frame = "joint3_elbow", .mass = 3, .com = {0, 0, 0.2}},
                           {.time = 1.1, .frame = "effector_body", .mass = 2, .com = {0.1, 0, 0}},
@@ -180,7 +182,9 @@ TEST(Evaluate, TheToolMustExist) {
     check_evaluation(e, model);
     FAIL() << "accepted";
   } catch (const ExperimentError& error) {
-    EXPECT_STREQ(error.what(), "x.yaml: evaluation.frame: 'manipulator' has no frame 'arm_tool_lnk'; did you mean 'arm_tool_link'?");
+    EXPECT_STREQ(
+        error.what(),
+        "x.yaml: evaluation.frame: 'manipulator' has no frame 'arm_tool_lnk'; did you mean 'arm_tool_link'?");
   }
   e.evaluation.frame = "arm_tool_link";
   check_evaluation(e, model);
@@ -197,7 +201,8 @@ TEST(Evaluate, EveryMetricIsThereAndExplained) {
   for (const Metric& metric : metrics()) {
     EXPECT_TRUE(out.contains(metric.name)) << metric.name;
     EXPECT_EQ(out["joints"][0].contains(metric.name), metric.per_joint) << metric.name;
-    EXPECT_NE(experiments.find(std::string("| `") + metric.name + "` | " + metric.unit + " | " + metric.what + " |\n"),
+    EXPECT_NE(experiments.find(std::string("| `") + metric.name + "` | " + metric.unit + " | " + metric.what +
+                               " |\n"),
               std::string::npos)
         << metric.name;
     EXPECT_NE(formulas.find(std::string("`") + metric.name + "`"), std::string::npos) << metric.name;

@@ -31,7 +31,8 @@ std::string page() {
 /// The row of the catalogue that begins with a picture of this experiment; empty if there is none.
 std::string catalogue_row(const std::string& name) {
   const std::string text = page();
-  const size_t at = text.find("\n| ![](pictures/catalogue/" + name + ".png) | [" + name + "](../experiments/" + name + ".yaml)<br>");
+  const size_t at = text.find("\n| ![](pictures/catalogue/" + name + ".png) | [" + name +
+                              "](../experiments/" + name + ".yaml)<br>");
   return at == std::string::npos ? "" : text.substr(at + 1, text.find('\n', at + 1) - at - 1);
 }
 
@@ -64,16 +65,19 @@ TEST_P(Experiments, MeetsItsExpectations) {
     const nlohmann::json value = value_of(result, (*it)[1]);
     ASSERT_TRUE(value.is_number()) << it->str();
     const double written = std::stod((*it)[2]);
-    EXPECT_NEAR(value.get<double>(), written, 0.01 * std::abs(written)) << it->str() << ", in docs/experiments.md";
+    EXPECT_NEAR(value.get<double>(), written, 0.01 * std::abs(written))
+        << it->str() << ", in docs/experiments.md";
   }
-  EXPECT_GT(figures, 0) << "docs/experiments.md: no row with figures of " << e.name << ", but '" << row << "'";
+  EXPECT_GT(figures, 0) << "docs/experiments.md: no row with figures of " << e.name << ", but '" << row
+                        << "'";
   if (std::getenv("LAB_VERBOSE")) std::cout << GetParam() << result.dump(1) << "\n";
 }
 
 std::vector<std::string> all_experiments() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(kFolder))
-    if (entry.path().extension() == ".yaml" && load_experiment(entry.path()).simulator.clock == "lockstep") names.push_back(entry.path().filename());
+    if (entry.path().extension() == ".yaml" && load_experiment(entry.path()).simulator.clock == "lockstep")
+      names.push_back(entry.path().filename());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -103,7 +107,8 @@ TEST(Experiments, TheCatalogueListsAllOfThemAndNothingElse) {
       if (entry.is_regular_file()) files.insert(folder + entry.path().filename().string());
   const std::string text = page(), catalogue = text.substr(text.find("\n## Catalogue\n"));
   const std::regex link(R"(\[([a-z0-9_]+)\]\(\.\./experiments/([a-z0-9_/]+\.yaml)\))");
-  for (std::sregex_iterator it(catalogue.begin(), catalogue.end(), link), none; it != none; ++it) listed.insert((*it)[2]);
+  for (std::sregex_iterator it(catalogue.begin(), catalogue.end(), link), none; it != none; ++it)
+    listed.insert((*it)[2]);
   EXPECT_EQ(files, listed);
 }
 
@@ -115,12 +120,15 @@ TEST(Experiments, DisturbancesThatAreNotAsWrittenAreTold) {
     return all;
   };
   EXPECT_EQ(warnings("simulator.delay=0.003"), "");
-  EXPECT_EQ(warnings("simulator.delay=0.0024"), "--set: simulator.delay: warning: is not a whole number of steps; the delay is 0.002 s");
+  EXPECT_EQ(warnings("simulator.delay=0.0024"),
+            "--set: simulator.delay: warning: is not a whole number of steps; the delay is 0.002 s");
   EXPECT_EQ(warnings("simulator.payloads=[{time: 4, frame: effector_body, mass: 1}]"),
             "--set: simulator.payloads[0].time: warning: 4 s is after the end of the run: it never comes");
   EXPECT_EQ(warnings("simulator.payloads=[{time: 3.999, frame: effector_body, mass: 1}]"), "");
   EXPECT_EQ(warnings("simulator.limit_repulsion.stiffness=1000"), "");
-  EXPECT_NE(warnings("simulator.limit_repulsion.stiffness=1e6").find("simulator.limit_repulsion.stiffness: warning: the soft stops are at"), std::string::npos);
+  EXPECT_NE(warnings("simulator.limit_repulsion.stiffness=1e6")
+                .find("simulator.limit_repulsion.stiffness: warning: the soft stops are at"),
+            std::string::npos);
 }
 
 // .. but only if it knows it: masses wrong by half cost a factor of hundreds, a PD with gravity's compensation about five
@@ -134,7 +142,8 @@ TEST(Experiments, MassesWrongByHalfAreAnotherController) {
   EXPECT_LT(ct, 600);
   EXPECT_GT(pd, 4);
   EXPECT_LT(pd, 8);
-  EXPECT_EQ(error({right}), outcome("sinusoid_ct.yaml")["max_error"].get<double>());  // the same path and gains
+  EXPECT_EQ(error({right}),
+            outcome("sinusoid_ct.yaml")["max_error"].get<double>());  // the same path and gains
 }
 
 // the tool ends 20 N / 1000 N/m below where it was, not turned; after 3 s the slowest spring and damper (40 / 10 per s) has

@@ -32,8 +32,7 @@ inline LoopResult run_loop(const Experiment& e, const rbd::Model& model) {
     Command command;
     const bool due = k % e.controller.every == 0;
     if (due)
-      command = controller::step(control, control_state,
-                                 {.state = seen, .reference = run.references.back()})
+      command = controller::step(control, control_state, {.state = seen, .reference = run.references.back()})
                     .command;
     simulator::Output next = simulator::step(plant, plant_state, {.command = due ? &command : nullptr});
     out.events.insert(out.events.end(), next.events.begin(), next.events.end());

@@ -26,7 +26,8 @@ lab::Run one_reach(const std::vector<double>& actual) {
 
 TEST(Reaches, FiguresOfOneReachByHand) {
   // from arrival on: short, 0.2 over, inside, 0.05 over again, inside for good; 3 of the last tenth (of 10: one)
-  const lab::Run run = one_reach({0, 0, 0.3, 0.9, 1.2, 1.004, 1.05, 0.995, 1.009, 0.991, 1.002, 1.001, 0.997});
+  const lab::Run run =
+      one_reach({0, 0, 0.3, 0.9, 1.2, 1.004, 1.05, 0.995, 1.009, 0.991, 1.002, 1.001, 0.997});
   const json out = evaluate(run, {});
   ASSERT_EQ(out["reach_count"], 1);
   const json& reach = out["reaches"][0];

@@ -93,7 +93,8 @@ TEST(Robot, RefusalsNameTheKeyAndTheCure) {
   EXPECT_TRUE(refusal({"robot.model=nowhere.urdf"})
                   .starts_with("--set: robot.model: 'nowhere.urdf' cannot be found (tried "));
   EXPECT_TRUE(refusal({"robot.model=models/simple_3dof_amr.urdf"})
-                  .starts_with("--set: robot.model: 'models/simple_3dof_amr.urdf' cannot be found; did you mean 'models/simple_3dof_arm.urdf'? (tried "));
+                  .starts_with("--set: robot.model: 'models/simple_3dof_amr.urdf' cannot be found; did you "
+                               "mean 'models/simple_3dof_arm.urdf'? (tried "));
   EXPECT_EQ(refusal({"robot.armature=[1, 2]"}),
             "--set: robot.armature: has 2 numbers, but 'simple_3dof_arm' has 3 joints (joint1_base_rotation, "
             "joint2_shoulder, joint3_elbow)");

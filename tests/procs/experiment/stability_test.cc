@@ -23,7 +23,8 @@ Experiment experiment(const Case& test, double gain) {
   std::snprintf(gains, sizeof gains, test.gains, gain);
   return parse_experiment(R"(
 robot: {model: "builtin:manipulator"}
-simulator: {dt: 0.005, duration: 2, q0: [0.3, 0.5, 0.4, 0.2, 0.7, -0.2], v0: 1e-6, gravity: [0, 0, )" + number(test.gravity) + R"(]}
+simulator: {dt: 0.005, duration: 2, q0: [0.3, 0.5, 0.4, 0.2, 0.7, -0.2], v0: 1e-6, gravity: [0, 0, )" +
+                              number(test.gravity) + R"(]}
 planner: {kind: hold}
 expect: {max_error: {max: 1}}
 controller: {kind: )" + std::string(test.kind) +
@@ -34,7 +35,8 @@ controller: {kind: )" + std::string(test.kind) +
 /// The percentage that `check` warns of; 0 if it does not.
 double warned(const Experiment& e) {
   for (const std::string& warning : check(e, load_robot(e)))
-    if (const size_t at = warning.find("the gains are at "); at != std::string::npos) return std::stod(warning.substr(at + 17));
+    if (const size_t at = warning.find("the gains are at "); at != std::string::npos)
+      return std::stod(warning.substr(at + 17));
   return 0;
 }
 
@@ -65,8 +67,10 @@ INSTANTIATE_TEST_SUITE_P(
         // the controller's masses are half of the arm's; no gravity, so that the arm stays where the nudge begins
         Case{"computed_torque", "kp: 100, model: {mass_scale: 0.5}, kd: %g", 0},
         Case{"cartesian_impedance", "frame: arm_tool_link, stiffness: [40, 800], damping: [8, %g]"},
-        Case{"cartesian_impedance", "frame: arm_tool_link, stiffness: [0, 800], damping: [0, 100], kp: 20, kd: %g"},
-        Case{"com_velocity", "com_gain: 5, kp: 5, kd: %g"}, Case{"com_velocity", "kp: 5, kd: 40, com_gain: %g"}));
+        Case{"cartesian_impedance",
+             "frame: arm_tool_link, stiffness: [0, 800], damping: [0, 100], kp: 20, kd: %g"},
+        Case{"com_velocity", "com_gain: 5, kp: 5, kd: %g"},
+        Case{"com_velocity", "kp: 5, kd: 40, com_gain: %g"}));
 
 TEST(StabilityOfSomebodyElses, IsNotJudged) {
   Experiment e = experiment({"pd", "kp: 100, kd: %g"}, 1e4);

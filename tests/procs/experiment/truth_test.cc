@@ -27,9 +27,12 @@ class Truth : public testing::Test {
   Truth() {
     char name[] = "/tmp/lab-truth-test-XXXXXX";
     dir_ = mkdtemp(name);
-    experiment_ = load_experiment(LAB_SOURCE_DIR "/experiments/noise_and_delay.yaml",
-                                  {"simulator.duration=0.4", "simulator.pushes=[{time: 0.1, duration: 0.1, frame: effector_body, force: [20, 0, 5]}]",
-                                   "simulator.payloads=[{time: 0.2, frame: effector_body, mass: 1}]", "controller.every=3", "simulator.integrator=rk4"});
+    experiment_ = load_experiment(
+        LAB_SOURCE_DIR "/experiments/noise_and_delay.yaml",
+        {"simulator.duration=0.4",
+         "simulator.pushes=[{time: 0.1, duration: 0.1, frame: effector_body, force: [20, 0, 5]}]",
+         "simulator.payloads=[{time: 0.2, frame: effector_body, mass: 1}]", "controller.every=3",
+         "simulator.integrator=rk4"});
     robot_ = load_robot(experiment_);
     logger::LogFiles files(dir_);
     outcome_ = solo::run(experiment_, robot_, files, [](int64_t) { return true; });
@@ -73,7 +76,8 @@ TEST_F(Truth, ComesBackFromTheLogToTheLastBit) {
   }
   const nlohmann::json metrics = evaluate(back.run, {});
   EXPECT_EQ(metrics, evaluate(run, {}));
-  EXPECT_LT(metrics["energy_drift_relative"].get<double>(), 1e-9) << "a push's force, a payload and rk4 balance";
+  EXPECT_LT(metrics["energy_drift_relative"].get<double>(), 1e-9)
+      << "a push's force, a payload and rk4 balance";
 
   // the log itself has what the sensors said: 5 steps old, and noisy
   LogReader reader(log());
@@ -100,10 +104,16 @@ TEST_F(Truth, IsRefusedWhenTheLogDoesNotFollowFromItself) {
     if (message.step == 30) message.tau[1] = std::nextafter(message.tau[1], 1e9), bytes = encode(message);
     return true;
   });
-  EXPECT_TRUE(complaint().starts_with(dir_ + "/other.lcm: the log does not follow from its own commands: at step 31 ")) << complaint();
-  rewrite([](Channel channel, Bytes& bytes) { return channel != Channel::Command || decode<command_t>(bytes).step != 60; });
+  EXPECT_TRUE(complaint().starts_with(
+      dir_ + "/other.lcm: the log does not follow from its own commands: at step 31 "))
+      << complaint();
+  rewrite([](Channel channel, Bytes& bytes) {
+    return channel != Channel::Command || decode<command_t>(bytes).step != 60;
+  });
   EXPECT_EQ(complaint(), dir_ + "/other.lcm: COMMAND 60, which led to step 61, is not in the log");
-  rewrite([](Channel channel, Bytes& bytes) { return channel != Channel::RobotState || decode<robot_state_t>(bytes).step != 7; });
+  rewrite([](Channel channel, Bytes& bytes) {
+    return channel != Channel::RobotState || decode<robot_state_t>(bytes).step != 7;
+  });
   EXPECT_EQ(complaint(), dir_ + "/other.lcm: step 7 is not in the log; the true states need every step");
 }
 

@@ -219,8 +219,7 @@ TEST(EvalInput, BadStatesLeaveTheOthersAlone) {
                           "is 7, needed an object with q, v, a, tau",
                           "v has 1 numbers, needed 6"};
   for (size_t k = 0; k < std::size(wanted); ++k) EXPECT_EQ(states[k + 1], json({{"error", wanted[k]}}));
-  EXPECT_NE(states[7]["error"].get<std::string>().find("too large"), std::string::npos)
-      << states[7];
+  EXPECT_NE(states[7]["error"].get<std::string>().find("too large"), std::string::npos) << states[7];
   ASSERT_EQ(done.errors.size(), 7u);
   EXPECT_EQ(done.errors[0], "state 1: q has 2 numbers, needed 6");
 }

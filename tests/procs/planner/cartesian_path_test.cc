@@ -86,11 +86,16 @@ TEST(CartesianPath, TheFrameIsOnTheLineAndKeepsItsOrientation) {
       const rbd::SE3 pose = frame(model, at(c, t).q);
       // the tolerance is checked at five places of each piece, the one of the largest error among them
       const double share = progress(std::round(t * 1000) / 2000);
-      EXPECT_LE((pose.translation() - (start.translation() + share * (to - start.translation()))).norm(), 1.1 * kPathTolerance) << t;
-      most_turned = std::max(most_turned, Eigen::AngleAxisd(pose.rotation() * start.rotation().transpose()).angle());
+      EXPECT_LE((pose.translation() - (start.translation() + share * (to - start.translation()))).norm(),
+                1.1 * kPathTolerance)
+          << t;
+      most_turned =
+          std::max(most_turned, Eigen::AngleAxisd(pose.rotation() * start.rotation().transpose()).angle());
     }
-    if (keep) EXPECT_LE(most_turned, 1.1 * kTurnTolerance);
-    else EXPECT_GT(most_turned, 0.1) << "free to turn, and it does";
+    if (keep)
+      EXPECT_LE(most_turned, 1.1 * kTurnTolerance);
+    else
+      EXPECT_GT(most_turned, 0.1) << "free to turn, and it does";
     EXPECT_LE((frame(model, at(c, 50).q).translation() - to).norm(), 1e-8);
     EXPECT_EQ(at(c, 50).v.norm(), 0);
   }
@@ -107,7 +112,9 @@ TEST(CartesianPath, TheFrameIsOnTheCircleAndComesBack) {
       const Vector3d start = frame(model, c.q0).translation();
       for (double t = 0; t < 2.2; t += 0.007) {
         const double share = progress(std::round(t * 1000) / 2000);
-        EXPECT_LE((frame(model, at(c, t).q).translation() - turned(e, start, share)).norm(), 1.1 * kPathTolerance) << t;
+        EXPECT_LE((frame(model, at(c, t).q).translation() - turned(e, start, share)).norm(),
+                  1.1 * kPathTolerance)
+            << t;
       }
       // the same posture after whole turns, as near as inverse kinematics looks for the nearest to q0: 1e-6 rad
       if (turns == std::floor(turns)) {
@@ -151,14 +158,17 @@ TEST(CartesianPath, VelocityAndAccelerationAreDerivatives) {
         std::vector<Reference> r;
         for (int k = 0; k * h <= 2.01; ++k) {
           r.push_back(at(c, k * h));
-          for (int i = 0; i < 6 && k > 0; ++i) steps_of_a[fine] = std::max(steps_of_a[fine], std::abs(r[k].a[i] - r[k - 1].a[i]));
+          for (int i = 0; i < 6 && k > 0; ++i)
+            steps_of_a[fine] = std::max(steps_of_a[fine], std::abs(r[k].a[i] - r[k - 1].a[i]));
           fastest = std::max(fastest, largest_share(r[k].v, c.v_max));
         }
         const double jerk = steps_of_a[fine] / h;
         for (size_t k = 1; k + 1 < r.size(); ++k)
           for (int i = 0; i < 6; ++i) {
-            ASSERT_NEAR((r[k + 1].q[i] - r[k - 1].q[i]) / (2 * h), r[k].v[i], h * h / 6 * jerk * 1.05 + 1e-11) << kind << k;
-            ASSERT_NEAR((r[k + 1].v[i] - r[k - 1].v[i]) / (2 * h), r[k].a[i], h / 2 * jerk * 1.05) << kind << k;
+            ASSERT_NEAR((r[k + 1].q[i] - r[k - 1].q[i]) / (2 * h), r[k].v[i], h * h / 6 * jerk * 1.05 + 1e-11)
+                << kind << k;
+            ASSERT_NEAR((r[k + 1].v[i] - r[k - 1].v[i]) / (2 * h), r[k].a[i], h / 2 * jerk * 1.05)
+                << kind << k;
           }
       }
       EXPECT_NEAR(steps_of_a[0] / steps_of_a[1], 2, 0.1) << "a jump of the acceleration would stay as large";
@@ -217,11 +227,13 @@ TEST(CartesianPath, WhatCannotBeIsRefusedWithThePlaceAndTheReason) {
   EXPECT_GT(reached, 1.02) << far;
   EXPECT_LT(reached, 1.045) << far;
   e.planner.to.reset();
-  EXPECT_EQ(refusal(e), "x.yaml:9: planner.to: is missing; a line needs the position where it ends, [x, y, z]");
+  EXPECT_EQ(refusal(e),
+            "x.yaml:9: planner.to: is missing; a line needs the position where it ends, [x, y, z]");
   e.planner.frame = "arm_tol_link";
   EXPECT_EQ(refusal(e), "x.yaml: planner.frame: no frame 'arm_tol_link'; did you mean 'arm_tool_link'?");
   e.planner.frame = "arm_base_link";
-  EXPECT_EQ(refusal(e), "x.yaml: planner.frame: frame 'arm_base_link' stands on the ground; name one that moves");
+  EXPECT_EQ(refusal(e),
+            "x.yaml: planner.frame: frame 'arm_base_link' stands on the ground; name one that moves");
   e.planner.frame = "";
   EXPECT_EQ(refusal(e), "x.yaml: planner.frame: is missing; a line is the path of a frame");
 

@@ -1,9 +1,10 @@
 // Goals for a frame: what the door lets in the planner reaches, by forward kinematics; both refuse the same rest.
+#include "procs/experiment/cartesian.h"
+
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
 #include "procs/experiment/actions.h"
-#include "procs/experiment/cartesian.h"
 #include "procs/planner/planner.h"
 
 namespace lab::planner {
@@ -34,7 +35,9 @@ std::vector<double> place(const rbd::Model& model, const Eigen::VectorXd& q, boo
   return out;
 }
 
-Action goal(const std::vector<double>& values, const std::string& frame = kFrame) { return {"goal", frame, "", "", values}; }
+Action goal(const std::vector<double>& values, const std::string& frame = kFrame) {
+  return {"goal", frame, "", "", values};
+}
 
 /// The reference `steps` steps after the goal.
 Reference follow(const Config& config, const Action& action, int steps, std::vector<Event>& events) {
@@ -59,7 +62,9 @@ TEST(Cartesian, WhatTheDoorLetsInIsReached) {
       ASSERT_TRUE(events.empty()) << events[0].why;
       EXPECT_EQ(end.v.norm(), 0);
       const std::vector<double> at = place(model, end.q, true);
-      const auto part = [](const std::vector<double>& x, long from, long n) { return Eigen::Map<const Eigen::VectorXd>(x.data() + from, n); };
+      const auto part = [](const std::vector<double>& x, long from, long n) {
+        return Eigen::Map<const Eigen::VectorXd>(x.data() + from, n);
+      };
       EXPECT_LE((part(at, 0, 3) - part(action.values, 0, 3)).norm(), 1.1e-6);
       // quaternions of rotations that are 1e-6 rad apart, up to their sign
       if (!pose) continue;
@@ -88,8 +93,10 @@ TEST(Cartesian, WhatCannotBeIsRefusedWithReasonAndDistance) {
     const char* why;
   } rows[] = {
       // shoulder at z = 0.3, arm 0.95 to the effector's frame, which is joint 6's: 10 - 0.95 = 9.05
-      {goal({10, 0, 0.3}), "'effector_body' cannot be there: out of reach: 9.05 m from the target, after 31 starts"},
-      {goal({1, 2}), "goal of frame 'effector_body' has 2 values, needed 3 (position) or 7 (and a quaternion)"},
+      {goal({10, 0, 0.3}),
+       "'effector_body' cannot be there: out of reach: 9.05 m from the target, after 31 starts"},
+      {goal({1, 2}),
+       "goal of frame 'effector_body' has 2 values, needed 3 (position) or 7 (and a quaternion)"},
       {goal({0.5, 0, 0.5}, "efector_body"), "no frame 'efector_body'; did you mean 'effector_body'?"},
       {goal({0.5, 0, 0.5, 0, 0, 0, 0.5}), "has a quaternion of length 0.5"},
       {goal({1e9, 0, 0}), "goal of frame 'effector_body' is 1e+09 m away"},

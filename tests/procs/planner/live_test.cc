@@ -24,14 +24,18 @@ Config moving() {
 
 /// A robot that follows perfectly unless it is held; checks that no reference jumps.
 struct Follower {
-  explicit Follower(Config c) : config(std::move(c)), state(initial(config)) { robot.q = config.q0, robot.v = Eigen::VectorXd::Zero(6); }
+  explicit Follower(Config c) : config(std::move(c)), state(initial(config)) {
+    robot.q = config.q0, robot.v = Eigen::VectorXd::Zero(6);
+  }
   Reference next(bool held = false, std::vector<Action> actions = {}) {
-    const Output out = step(config, state, {.step = ++now, .actions = actions, .state = &robot, .held = held});
+    const Output out =
+        step(config, state, {.step = ++now, .actions = actions, .state = &robot, .held = held});
     events.insert(events.end(), out.events.begin(), out.events.end());
     if (last.q.size() > 0)
       for (int i = 0; i < 6; ++i) {
         const double reach = (std::abs(out.reference.v[i]) + std::abs(last.v[i]) + 1e-3) * config.dt;
-        EXPECT_LE(std::abs(out.reference.q[i] - (held || was_held ? robot.q[i] : last.q[i])), reach) << "step " << now << " joint " << i;
+        EXPECT_LE(std::abs(out.reference.q[i] - (held || was_held ? robot.q[i] : last.q[i])), reach)
+            << "step " << now << " joint " << i;
       }
     if (!held) robot.q = out.reference.q;
     was_held = held;

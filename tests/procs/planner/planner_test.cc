@@ -116,7 +116,8 @@ TEST(Planner, RefusesWhatCannotBe) {
       << refusal(e, model);
   e.planner.kind = "cubik";
   EXPECT_EQ(refusal(e, model),
-            "x.yaml:5: planner.kind: 'cubik' is not known; use one of hold, cubic, quintic, sinusoid, point_to_point, waypoints, line, circle");
+            "x.yaml:5: planner.kind: 'cubik' is not known; use one of hold, cubic, quintic, sinusoid, "
+            "point_to_point, waypoints, line, circle");
   e.planner.kind = "sinusoid";
   e.planner.amplitude.value = 50.0;
   EXPECT_NE(refusal(e, model).find("would swing over"), std::string::npos) << refusal(e, model);

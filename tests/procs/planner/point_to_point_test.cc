@@ -17,8 +17,8 @@ rbd::Model arm() {
   return model;
 }
 
-const std::vector<double> kStart{0.1, -0.2, 0.3, 0, 0.4, -0.1}, kA{0.5, 0.3, -0.4, 0.2, 0.5, -0.3}, kB{-0.5, 0.1, 0.8, 0.2, -0.5, 0.3},
-    kC{0, 0, 0, 0, 0, 1.2}, kAside{0.3, -0.6, 0.2, 0.7, 0, -0.4};
+const std::vector<double> kStart{0.1, -0.2, 0.3, 0, 0.4, -0.1}, kA{0.5, 0.3, -0.4, 0.2, 0.5, -0.3},
+    kB{-0.5, 0.1, 0.8, 0.2, -0.5, 0.3}, kC{0, 0, 0, 0, 0, 1.2}, kAside{0.3, -0.6, 0.2, 0.7, 0, -0.4};
 
 Experiment cycle(double dt = 1e-3) {
   Experiment e;
@@ -40,13 +40,15 @@ struct Follower {
     robot.q = config.q0, robot.v = Eigen::VectorXd::Zero(6);
   }
   Reference next(std::vector<Action> actions = {}, bool held = false) {
-    const Output out = step(config, state, {.step = ++now, .actions = actions, .state = &robot, .held = held});
+    const Output out =
+        step(config, state, {.step = ++now, .actions = actions, .state = &robot, .held = held});
     events.insert(events.end(), out.events.begin(), out.events.end());
     const double h = config.dt;
     const Reference& r = out.reference;
     if (last.q.size() > 0)
       for (int i = 0; i < 6; ++i) {
-        worst_q = std::max(worst_q, std::abs(r.q[i] - last.q[i] - h * (r.v[i] + last.v[i]) / 2) / (h * h * h));
+        worst_q =
+            std::max(worst_q, std::abs(r.q[i] - last.q[i] - h * (r.v[i] + last.v[i]) / 2) / (h * h * h));
         worst_v = std::max(worst_v, std::abs(r.v[i] - last.v[i] - h * (r.a[i] + last.a[i]) / 2) / (h * h));
         worst_a = std::max(worst_a, std::abs(r.a[i] - last.a[i]) / h);
         fastest = std::max(fastest, std::abs(r.v[i]) / config.v_max[i]);
@@ -185,7 +187,8 @@ TEST(PointToPoint, AnyMotionCanBeComeBackTo) {
 TEST(PointToPoint, HeldOnTheWayItGoesOnFromWhereTheRobotIs) {
   Follower f(cycle());
   f.run(0.7);
-  for (int k = 0; k < 300; ++k) f.next({}, true);  // brought to rest at once: a jump of v that is the robot's, not ours
+  for (int k = 0; k < 300; ++k)
+    f.next({}, true);  // brought to rest at once: a jump of v that is the robot's, not ours
   f.worst_q = f.worst_v = f.worst_a = 0;
   f.run(15);
   f.expect_no_jump();

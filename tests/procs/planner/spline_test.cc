@@ -33,7 +33,9 @@ struct Given {
 };
 Given some(unsigned seed, int pieces, bool even) {
   std::mt19937 engine(seed);
-  const auto random = [&](double low, double high) { return low + (high - low) * static_cast<double>(engine()) / 4294967296.0; };
+  const auto random = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(engine()) / 4294967296.0;
+  };
   Given g;
   for (int k = 0; k <= pieces; ++k) {
     if (k > 0) g.knots.push_back(g.knots.back() + (even ? 0.3 : random(0.1, 0.8)));
@@ -106,7 +108,9 @@ TEST(Spline, ExtremesAreExact) {
         for (Eigen::Index i = 0; i < 3; ++i) {
           SCOPED_TRACE(std::to_string(seed) + " " + std::to_string(order));
           const Extremes e = extremes(piece, i, order);
-          const auto value = [&](double u) { return order == 0 ? on(piece, u).q[i] : order == 1 ? on(piece, u).v[i] : on(piece, u).a[i]; };
+          const auto value = [&](double u) {
+            return order == 0 ? on(piece, u).q[i] : order == 1 ? on(piece, u).v[i] : on(piece, u).a[i];
+          };
           double low = 1e9, high = -1e9;
           for (int k = 0; k <= 2000; ++k) {
             const double y = value(piece.start + piece.length * k / 2000);

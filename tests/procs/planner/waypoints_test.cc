@@ -16,8 +16,8 @@ rbd::Model arm() {
   return model;
 }
 
-const std::vector<double> kStart{0.1, -0.2, 0.3, 0, 0.4, -0.1}, kA{0.5, 0.3, -0.4, 0.2, 0.5, -0.3}, kB{-0.5, 0.1, 0.8, 0.2, -0.5, 0.3},
-    kC{0, 0, 0, 0, 0, 1.2};
+const std::vector<double> kStart{0.1, -0.2, 0.3, 0, 0.4, -0.1}, kA{0.5, 0.3, -0.4, 0.2, 0.5, -0.3},
+    kB{-0.5, 0.1, 0.8, 0.2, -0.5, 0.3}, kC{0, 0, 0, 0, 0, 1.2};
 
 Experiment through(std::vector<std::vector<double>> targets, double dt = 1e-3) {
   Experiment e;
@@ -41,8 +41,8 @@ std::string refusal(const Experiment& e) {
 
 /// Along the whole motion and the rest after it: largest shares of the limits, and of what finite differences allow.
 struct Seen {
-  double speed = 0, acceleration = 0;   // largest of any joint; speed as a share of its limit
-  double off_v = 0, off_a = 0;          // central differences against v and a, as a share of what the jerk explains
+  double speed = 0, acceleration = 0;  // largest of any joint; speed as a share of its limit
+  double off_v = 0, off_a = 0;  // central differences against v and a, as a share of what the jerk explains
 };
 Seen watch(const Config& c) {
   Seen out;
@@ -62,8 +62,10 @@ Seen watch(const Config& c) {
   // of h times it
   for (int64_t k = 1; k < steps; ++k)
     for (int i = 0; i < 6; ++i) {
-      out.off_v = std::max(out.off_v, std::abs((r[k + 1].q[i] - r[k - 1].q[i]) / (2 * h) - r[k].v[i]) / (h * h / 6 * jerk));
-      out.off_a = std::max(out.off_a, std::abs((r[k + 1].v[i] - r[k - 1].v[i]) / (2 * h) - r[k].a[i]) / (h / 2 * jerk));
+      out.off_v = std::max(
+          out.off_v, std::abs((r[k + 1].q[i] - r[k - 1].q[i]) / (2 * h) - r[k].v[i]) / (h * h / 6 * jerk));
+      out.off_a = std::max(out.off_a,
+                           std::abs((r[k + 1].v[i] - r[k - 1].v[i]) / (2 * h) - r[k].a[i]) / (h / 2 * jerk));
     }
   return out;
 }
@@ -86,7 +88,8 @@ TEST(Waypoints, PassesThroughTheTargetsAtTheirTimes) {
 }
 
 TEST(Waypoints, VelocityAndAccelerationAreDerivativesEverywhere) {
-  for (const auto& targets : std::vector<std::vector<std::vector<double>>>{{kA}, {kA, kB}, {kA, kB, kC, kA, kStart}}) {
+  for (const auto& targets :
+       std::vector<std::vector<std::vector<double>>>{{kA}, {kA, kB}, {kA, kB, kC, kA, kStart}}) {
     const Seen seen = watch(make_config(through(targets, 1e-4), arm()));
     EXPECT_LE(seen.off_v, 1.05) << targets.size();
     EXPECT_LE(seen.off_a, 1.05) << targets.size();
@@ -95,7 +98,8 @@ TEST(Waypoints, VelocityAndAccelerationAreDerivativesEverywhere) {
 
 TEST(Waypoints, TheFastestJointMovesAtTheShareOfItsLimit) {
   for (double speed : {0.2, 0.5, 1.0})
-    for (const auto& targets : std::vector<std::vector<std::vector<double>>>{{kC}, {kA, kB}, {kA, kB, kC, kA, kStart}}) {
+    for (const auto& targets :
+         std::vector<std::vector<std::vector<double>>>{{kC}, {kA, kB}, {kA, kB, kC, kA, kStart}}) {
       Experiment e = through(targets);
       e.planner.speed = speed;
       const Config c = make_config(e, arm());
@@ -163,22 +167,30 @@ TEST(Waypoints, WhatCannotBeIsRefusedWhereItStands) {
   EXPECT_EQ(refusal(e), "x.yaml: planner.targets: is missing; waypoints needs at least one");
   e = through({kA, kA});
   e.where = {{"planner.targets", "x.yaml:3"}, {"planner.targets[1]", "x.yaml:5"}};
-  EXPECT_EQ(refusal(e), "x.yaml:5: planner.targets[1]: is where the robot is already, and waypoints do not rest; leave it out, give planner.times, "
-                        "or use point_to_point");
+  EXPECT_EQ(refusal(e),
+            "x.yaml:5: planner.targets[1]: is where the robot is already, and waypoints do not rest; leave "
+            "it out, give planner.times, "
+            "or use point_to_point");
   e.planner.times = {1};
   EXPECT_EQ(refusal(e), "x.yaml: planner.times: has 1 numbers, but there are 2 targets; give one per target");
   e.planner.times = {1, 1};
   e.where["planner.times[1]"] = "x.yaml:8";
-  EXPECT_EQ(refusal(e), "x.yaml:8: planner.times[1]: 1 s is not after 1 s; times count from the start and must rise");
+  EXPECT_EQ(refusal(e),
+            "x.yaml:8: planner.times[1]: 1 s is not after 1 s; times count from the start and must rise");
   e.planner.times = {1, 2};
   EXPECT_EQ(refusal(e), "accepted");
   e = through({kA, std::vector<double>(6, 4.0)});
-  EXPECT_EQ(refusal(e).rfind("x.yaml: planner.targets[1]: joint 'joint1_base_yaw' cannot be at 4; its limits are", 0), 0u) << refusal(e);
+  EXPECT_EQ(refusal(e).rfind(
+                "x.yaml: planner.targets[1]: joint 'joint1_base_yaw' cannot be at 4; its limits are", 0),
+            0u)
+      << refusal(e);
   // targets inside, the curve between them not
   const auto yaw = [](double x) { return std::vector<double>{x, 0, 0, 0, 0, 0}; };
   e = through({yaw(0), yaw(3.1), yaw(3.12), yaw(0)});
   e.where = {{"planner.targets[3]", "x.yaml:6"}};
-  EXPECT_EQ(refusal(e).rfind("x.yaml:6: planner.targets[3]: joint 'joint1_base_yaw' would swing out to 3.", 0), 0u) << refusal(e);
+  EXPECT_EQ(
+      refusal(e).rfind("x.yaml:6: planner.targets[3]: joint 'joint1_base_yaw' would swing out to 3.", 0), 0u)
+      << refusal(e);
   EXPECT_NE(refusal(e).find("its limit is 3.14159"), std::string::npos) << refusal(e);
 }
 

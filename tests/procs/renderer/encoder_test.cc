@@ -14,7 +14,8 @@ TEST(Encoder, DoesJobsInOrderOnAnotherThread) {
   std::vector<int> seen;
   std::vector<std::thread::id> threads;
   Encoder encoder;
-  for (int i = 0; i < 50; ++i) encoder.push([&, i] { seen.push_back(i), threads.push_back(std::this_thread::get_id()); });
+  for (int i = 0; i < 50; ++i)
+    encoder.push([&, i] { seen.push_back(i), threads.push_back(std::this_thread::get_id()); });
   encoder.finish();
   ASSERT_EQ(seen.size(), 50u);
   for (int i = 0; i < 50; ++i) {

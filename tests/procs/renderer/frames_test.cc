@@ -46,7 +46,8 @@ TEST(StepsAtRate, FirstAndLastAlways) {
 TEST_F(FramesTest, NumbersTextsAndBytes) {
   {
     FrameFolder files((folder_ / "a" / "b").string(), {{"run", "1"}});
-    for (int i = 0; i < 3; ++i) files.write(i, {plain(8, 4, static_cast<uint8_t>(40 * i)), {{"step", std::to_string(i)}}});
+    for (int i = 0; i < 3; ++i)
+      files.write(i, {plain(8, 4, static_cast<uint8_t>(40 * i)), {{"step", std::to_string(i)}}});
     files.finish();
     EXPECT_EQ(files.done(), 3);
   }
@@ -69,7 +70,8 @@ TEST_F(FramesTest, DepthsAndIds) {
   files.finish();
   EXPECT_EQ(names(), (std::set<std::string>{"0007.depth.f32", "0007.depth.png", "0007.id.png"}));
   std::vector<float> back(3);
-  std::ifstream((folder_ / "0007.depth.f32").string(), std::ios::binary).read(reinterpret_cast<char*>(back.data()), 12);
+  std::ifstream((folder_ / "0007.depth.f32").string(), std::ios::binary)
+      .read(reinterpret_cast<char*>(back.data()), 12);
   EXPECT_EQ(back, seen.depth);
   EXPECT_EQ(fs::file_size(folder_ / "0007.depth.f32"), 12u);
   const render::PngFile ids = render::read_png((folder_ / "0007.id.png").string());
@@ -83,7 +85,8 @@ TEST_F(FramesTest, ErrorsSayWhere) {
     make_folder((folder_ / "file" / "below").string());
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_EQ(error.what(), (folder_ / "file" / "below").string() + ": cannot make this folder: Not a directory");
+    EXPECT_EQ(error.what(),
+              (folder_ / "file" / "below").string() + ": cannot make this folder: Not a directory");
   }
   FrameFolder files(folder_.string(), {});
   fs::create_directory(folder_ / "0000.png");  // in the picture's way
@@ -98,7 +101,8 @@ TEST_F(FramesTest, AContactSheetHasTwelveEvenlyChosenFramesInOrder) {
   FrameFolder files(folder_.string(), {{"run", "abc"}, {"renderer", "r"}});
   for (int i = 0; i < kFrames; ++i) {
     render::Image image(64, 48);
-    for (size_t k = 0; k < image.rgb.size(); k += 3) image.rgb[k] = 255, image.rgb[k + 1] = static_cast<uint8_t>(i), image.rgb[k + 2] = 0;
+    for (size_t k = 0; k < image.rgb.size(); k += 3)
+      image.rgb[k] = 255, image.rgb[k + 1] = static_cast<uint8_t>(i), image.rgb[k + 2] = 0;
     files.write(i, {image, {{"step", "1"}}});
     times.push_back(0.1 * i);
   }

@@ -20,24 +20,31 @@ double distance(const rbd::GeometryObject& shape, const Vector3d& p) {
   };
   const double across = std::hypot(p.x(), p.y()), r = shape.size[0];
   switch (shape.shape) {
-    case rbd::Shape::Box: return std::abs(box(p.cwiseAbs() - shape.size / 2));
-    case rbd::Shape::Sphere: return std::abs(p.norm() - r);
-    case rbd::Shape::Cylinder: return std::abs(box({across - r, std::abs(p.z()) - shape.size[1] / 2, -1e9}));
-    case rbd::Shape::Capsule: return std::abs(std::hypot(across, std::max(std::abs(p.z()) - shape.size[1] / 2, 0.0)) - r);
-    case rbd::Shape::Mesh: break;
+    case rbd::Shape::Box:
+      return std::abs(box(p.cwiseAbs() - shape.size / 2));
+    case rbd::Shape::Sphere:
+      return std::abs(p.norm() - r);
+    case rbd::Shape::Cylinder:
+      return std::abs(box({across - r, std::abs(p.z()) - shape.size[1] / 2, -1e9}));
+    case rbd::Shape::Capsule:
+      return std::abs(std::hypot(across, std::max(std::abs(p.z()) - shape.size[1] / 2, 0.0)) - r);
+    case rbd::Shape::Mesh:
+      break;
   }
   return INFINITY;
 }
 
 Vector3d unprojected(const render::Camera& camera, int x, int y, double depth, int width, int height) {
-  const double scale = camera.orthographic() ? camera.height / height : 2 * std::tan(camera.fov / 2) / height * depth;
+  const double scale =
+      camera.orthographic() ? camera.height / height : 2 * std::tan(camera.fov / 2) / height * depth;
   const Vector3d seen((x + .5 - width / 2.0) * scale, (height / 2.0 - y - .5) * scale, -depth);
   return camera.view().inverse() * seen;
 }
 
 /// Every pixel that is said to be of a link lies, at its depth, on that link as the moment's q puts it.
 TEST(Pictures, DepthsAndLinksAreThoseOfThePose) {
-  for (const char* keys : {"{size: [320, 240]}", "{size: [320, 240], orthographic: true, camera: side}", "{size: [320, 240], orbit: 1, follow: effector_body}"}) {
+  for (const char* keys : {"{size: [320, 240]}", "{size: [320, 240], orthographic: true, camera: side}",
+                           "{size: [320, 240], orbit: 1, follow: effector_body}"}) {
     SCOPED_TRACE(keys);
     const Experiment e = sample_experiment(keys);
     const Robot robot = load_robot(e);
@@ -57,12 +64,15 @@ TEST(Pictures, DepthsAndLinksAreThoseOfThePose) {
           if (id == 0) continue;
           ASSERT_LT(static_cast<size_t>(id), stage.links().size());
           ++pixels[id];
-          const Vector3d point = unprojected(camera, x, y, seen.depth[seen.at(x, y)], seen.width, seen.height);
+          const Vector3d point =
+              unprojected(camera, x, y, seen.depth[seen.at(x, y)], seen.width, seen.height);
           double nearest = INFINITY;
           for (const auto& shape : robot.geometry.visual) {
-            if (robot.model.frames[shape.parentFrame].name != stage.links()[static_cast<size_t>(id)]) continue;
+            if (robot.model.frames[shape.parentFrame].name != stage.links()[static_cast<size_t>(id)])
+              continue;
             const rbd::SE3 pose = data.oMi[shape.parentJoint] * shape.placement;
-            nearest = std::min(nearest, distance(shape, pose.rotation().transpose() * (point - pose.translation())));
+            nearest = std::min(nearest,
+                               distance(shape, pose.rotation().transpose() * (point - pose.translation())));
           }
           worst = std::max(worst, nearest);
         }
@@ -86,11 +96,13 @@ TEST(Pictures, LinksAreSeenWhereTheirMiddlesAre) {
     const render::Measurement seen = painter.measure(moment);
     rbd::forwardKinematics(robot.model, data, moment.q);
     for (const auto& shape : robot.geometry.visual) {
-      const Vector3d pixel = stage.camera(moment).pixel((data.oMi[shape.parentJoint] * shape.placement).translation(), 320, 240);
+      const Vector3d pixel =
+          stage.camera(moment).pixel((data.oMi[shape.parentJoint] * shape.placement).translation(), 320, 240);
       const size_t at = seen.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
       const bool own = stage.links()[seen.id[at]] == robot.model.frames[shape.parentFrame].name;
       direct += own;
-      EXPECT_LT(seen.depth[at], pixel.z()) << shape.name << ": its surface, or what hides it, is in front of its middle";
+      EXPECT_LT(seen.depth[at], pixel.z())
+          << shape.name << ": its surface, or what hides it, is in front of its middle";
       EXPECT_NE(seen.id[at], 0) << shape.name;
     }
   }
@@ -104,7 +116,8 @@ int difference(const uint8_t* a, const uint8_t* b) {
 /// Where the traced frame was, the trace is; and it is nowhere else.
 TEST(Pictures, TheTraceLiesWhereTheToolWas) {
   const std::string size = "size: [320, 240], quality: live, camera: side";  // live: no shadow
-  const Experiment with = sample_experiment("{trace: effector_body, " + size + "}"), without = sample_experiment("{" + size + "}");
+  const Experiment with = sample_experiment("{trace: effector_body, " + size + "}"),
+                   without = sample_experiment("{" + size + "}");
   const Robot robot = load_robot(with);
   Stage stage(robot, with), bare(robot, without);
   rbd::Data data(robot.model);
@@ -145,7 +158,8 @@ TEST(Pictures, TheTraceLiesWhereTheToolWas) {
     for (int x = 0; x < a.width; ++x) {
       if (difference(a.at(x, y), b.at(x, y)) == 0) continue;
       double nearest = (pixels.back().head<2>() - Eigen::Vector2d(x + .5, y + .5)).norm() - bead + radius;
-      for (const Vector3d& pixel : pixels) nearest = std::min(nearest, (pixel.head<2>() - Eigen::Vector2d(x + .5, y + .5)).norm());
+      for (const Vector3d& pixel : pixels)
+        nearest = std::min(nearest, (pixel.head<2>() - Eigen::Vector2d(x + .5, y + .5)).norm());
       EXPECT_LT(nearest, radius + 1) << x << ", " << y;  // samples are up to a pixel apart
     }
 }
@@ -161,8 +175,10 @@ TEST(Pictures, TextsSayStepTimeAndCamera) {
   EXPECT_EQ(texts["step"], "150");
   EXPECT_EQ(texts["time"], "1.500000 s");
   render::Camera back;  // the camera can be set up again from its text
-  ASSERT_EQ(std::sscanf(texts["camera"].c_str(), "top; eye %lf %lf %lf target %lf %lf %lf up %lf %lf %lf m; fov %lf rad", &back.eye[0], &back.eye[1],
-                        &back.eye[2], &back.target[0], &back.target[1], &back.target[2], &back.up[0], &back.up[1], &back.up[2], &back.fov),
+  ASSERT_EQ(std::sscanf(texts["camera"].c_str(),
+                        "top; eye %lf %lf %lf target %lf %lf %lf up %lf %lf %lf m; fov %lf rad", &back.eye[0],
+                        &back.eye[1], &back.eye[2], &back.target[0], &back.target[1], &back.target[2],
+                        &back.up[0], &back.up[1], &back.up[2], &back.fov),
             10)
       << texts["camera"];
   EXPECT_LT((back.eye - stage.camera(moment).eye).norm(), 1e-4);
@@ -191,10 +207,13 @@ TEST(Pictures, ArrowsAndLegendShowWhatTheySay) {
       for (int x = 0; x < image.width; ++x) n += difference(image.at(x, y), plain.at(x, y)) > 10;
     return n;
   };
-  for (const char* arrows : {"velocity", "com", "frames"}) EXPECT_GT(differing(draw({"time", {arrows}, {}}), 0), 100) << arrows;
+  for (const char* arrows : {"velocity", "com", "frames"})
+    EXPECT_GT(differing(draw({"time", {arrows}, {}}), 0), 100) << arrows;
   const Push push{0.5, 0.7, "effector_body", {0, 0, -80}}, over{0.7, 0.9, "effector_body", {0, 0, -80}};
   const int legend = 240 - 12;
-  EXPECT_GT(differing(draw({"time", {"force"}, {push}}), 0), differing(draw({"time", {"force"}, {over}}), 0) + 60) << "only while it lasts";
+  EXPECT_GT(differing(draw({"time", {"force"}, {push}}), 0),
+            differing(draw({"time", {"force"}, {over}}), 0) + 60)
+      << "only while it lasts";
   EXPECT_GT(differing(draw({"speed", {}, {}}), legend), 100) << "the scale of the colours";
   EXPECT_EQ(differing(draw({"time", {}, {}}), 0), 0);
 }

@@ -12,7 +12,8 @@ inline Experiment sample_experiment(const std::string& renderer = "{}") {
       "robot: {model: 'builtin:manipulator'}\n"
       "simulator: {dt: 0.01, duration: 2, q0: [-0.5, 0.6, -1.0, 0, 0.4, 0]}\n"
       "planner: {kind: quintic, goal: [0.7, 0.9, -0.7, 0.3, 0.2, 0.5], duration: 1.5}\n"
-      "renderer: " + renderer + "\n",
+      "renderer: " +
+          renderer + "\n",
       "sample");
 }
 

@@ -46,7 +46,8 @@ TEST(Stage, GhostsStandEvenlyAlongTheWay) {
   ASSERT_EQ(yaw.size(), static_cast<size_t>(kPoses));
   // The fastest sample covers 1.2 * 1.875 * 0.01 / 1.5 rad; the nearest one is at most half of that away.
   const double half_a_sample = 1.2 * 1.875 * 0.01 / 1.5 / 2;
-  for (int k = 0; k + 1 < kPoses; ++k) EXPECT_NEAR(yaw[k + 1], -0.5 + 1.2 * k / (kPoses - 1), half_a_sample) << k;
+  for (int k = 0; k + 1 < kPoses; ++k)
+    EXPECT_NEAR(yaw[k + 1], -0.5 + 1.2 * k / (kPoses - 1), half_a_sample) << k;
   EXPECT_NEAR(yaw[0], 0.7, 1e-12);
 }
 
@@ -128,7 +129,8 @@ TEST(Stage, TheCameraKeepsToThePlanUnlessTheRunLeftIt) {
     for (const Body& body : stage.scene(moment).bodies) {
       const render::Bounds box = render::bounds(body);
       for (int i = 0; i < 8; ++i) {
-        const Eigen::Vector3d pixel = stage.camera(moment).pixel(box.corner(static_cast<render::Bounds::CornerType>(i)), 640, 480);
+        const Eigen::Vector3d pixel =
+            stage.camera(moment).pixel(box.corner(static_cast<render::Bounds::CornerType>(i)), 640, 480);
         EXPECT_TRUE(pixel.x() > 0 && pixel.x() < 640 && pixel.y() > 0 && pixel.y() < 480) << body.name;
       }
     }
@@ -144,7 +146,8 @@ TEST(Stage, AFollowedFrameStaysWhereItIsInThePicture) {
   for (int64_t step : {0, 60, 90, 200}) {
     const Moment moment = sample_moment(robot.model, step);
     rbd::forwardKinematics(robot.model, data, moment.q);
-    pixels.push_back(stage.camera(moment).pixel(data.oMf[robot.model.frameId("effector_body")].translation(), 640, 480));
+    pixels.push_back(
+        stage.camera(moment).pixel(data.oMf[robot.model.frameId("effector_body")].translation(), 640, 480));
   }
   for (const Eigen::Vector3d& pixel : pixels) EXPECT_LT((pixel - pixels[0]).norm(), 1e-9);
 }
@@ -153,7 +156,8 @@ TEST(Stage, AnOrbitGoesRoundAtItsSpeed) {
   const Experiment e = sample_experiment("{orbit: 0.5}");
   const Robot robot = load_robot(e);
   Stage stage(robot, e);
-  const render::Camera a = stage.camera(sample_moment(robot.model, 0)), b = stage.camera(sample_moment(robot.model, 200));
+  const render::Camera a = stage.camera(sample_moment(robot.model, 0)),
+                       b = stage.camera(sample_moment(robot.model, 200));
   const Eigen::Vector3d from = a.eye - a.target, to = b.eye - b.target;
   EXPECT_LT((a.target - b.target).norm(), 1e-12);
   EXPECT_NEAR(from.z(), to.z(), 1e-12);
@@ -167,7 +171,8 @@ TEST(Stage, UnknownFramesAreNamedWithWhatIsNear) {
       Stage stage(load_robot(e), e);
       FAIL();
     } catch (const ExperimentError& error) {
-      EXPECT_EQ(std::string(error.what()), "sample:4: renderer." + key + ": no frame 'efector_body'; did you mean 'effector_body'?");
+      EXPECT_EQ(std::string(error.what()),
+                "sample:4: renderer." + key + ": no frame 'efector_body'; did you mean 'effector_body'?");
     }
   }
 }

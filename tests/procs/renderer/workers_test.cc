@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 /// Writes a file for each picture, named after it, holding the process that wrote it.
 class FileWorker : public Worker {
  public:
-  FileWorker(fs::path folder, std::function<void(int64_t)> before) : folder_(std::move(folder)), before_(std::move(before)) {}
+  FileWorker(fs::path folder, std::function<void(int64_t)> before)
+      : folder_(std::move(folder)), before_(std::move(before)) {}
   void draw(int64_t index) override {
     if (before_) before_(index);
     std::ofstream(folder_ / std::to_string(index)) << getpid();
@@ -46,7 +47,9 @@ class WorkersTest : public ::testing::Test {
     EXPECT_EQ(errno, ECHILD);
   }
   void draw(int64_t count, int workers, std::function<void(int64_t)> before = {}) {
-    draw_all(count, workers, [&] { return std::make_unique<FileWorker>(folder_, before); }, [&](int64_t index) { told_.push_back(index); });
+    draw_all(
+        count, workers, [&] { return std::make_unique<FileWorker>(folder_, before); },
+        [&](int64_t index) { told_.push_back(index); });
   }
   std::string error_of(int64_t count, int workers, std::function<void(int64_t)> before) {
     try {
@@ -62,7 +65,9 @@ class WorkersTest : public ::testing::Test {
 };
 
 TEST_F(WorkersTest, EveryPictureOnceInOrderByAsManyProcesses) {
-  for (const auto& [count, workers, processes] : {std::tuple(1, 4, 1), std::tuple(7, 1, 1), std::tuple(7, 2, 2), std::tuple(9, 4, 4), std::tuple(0, 2, 1)}) {
+  for (const auto& [count, workers, processes] :
+       {std::tuple(1, 4, 1), std::tuple(7, 1, 1), std::tuple(7, 2, 2), std::tuple(9, 4, 4),
+        std::tuple(0, 2, 1)}) {
     SCOPED_TRACE(std::to_string(count) + " by " + std::to_string(workers));
     told_.clear();
     draw(count, workers);
@@ -85,18 +90,29 @@ TEST_F(WorkersTest, EveryPictureOnceInOrderByAsManyProcesses) {
 }
 
 TEST_F(WorkersTest, TheFirstErrorIsTold) {
-  EXPECT_EQ(error_of(8, 2, [](int64_t i) { if (i == 3) throw std::runtime_error("no room\nfor 3"); }), "no room for 3");
+  EXPECT_EQ(error_of(8, 2,
+                     [](int64_t i) {
+                       if (i == 3) throw std::runtime_error("no room\nfor 3");
+                     }),
+            "no room for 3");
   EXPECT_LT(told_.size(), 4u);
 }
 
 TEST_F(WorkersTest, AKilledWorkerIsTold) {
-  const std::string error = error_of(8, 4, [](int64_t i) { if (i == 2) raise(SIGKILL); });
+  const std::string error = error_of(8, 4, [](int64_t i) {
+    if (i == 2) raise(SIGKILL);
+  });
   EXPECT_NE(error.find("killed by signal 9"), std::string::npos) << error;
   EXPECT_NE(error.find("memory"), std::string::npos) << error;
 }
 
 TEST_F(WorkersTest, AWorkerThatLeavesIsTold) {
-  EXPECT_NE(error_of(4, 2, [](int64_t i) { if (i == 1) _exit(9); }).find("exit code 9"), std::string::npos);
+  EXPECT_NE(error_of(4, 2,
+                     [](int64_t i) {
+                       if (i == 1) _exit(9);
+                     })
+                .find("exit code 9"),
+            std::string::npos);
 }
 
 TEST_F(WorkersTest, OthersAreEndedAfterAnError) {

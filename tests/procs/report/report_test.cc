@@ -20,18 +20,22 @@ TEST(Thin, KeepsPeaksAndEndsAndOrder) {
   std::uniform_real_distribution<double> noise(-1, 1);
   for (size_t n : {1u, 5u, 200u, 201u, 999u, 5000u}) {
     Curve curve;
-    for (size_t i = 0; i < n; ++i) curve.x.push_back(static_cast<double>(i)), curve.y.push_back(noise(random));
+    for (size_t i = 0; i < n; ++i)
+      curve.x.push_back(static_cast<double>(i)), curve.y.push_back(noise(random));
     if (n > 500) curve.y[n / 3] = 40, curve.y[n / 2] = -50;  // one step each
     const Curve before = curve;
     thin(curve, 100);
     ASSERT_EQ(curve.x.size(), curve.y.size());
     EXPECT_LE(curve.y.size(), 202u);
-    EXPECT_EQ(*std::max_element(curve.y.begin(), curve.y.end()), *std::max_element(before.y.begin(), before.y.end()));
-    EXPECT_EQ(*std::min_element(curve.y.begin(), curve.y.end()), *std::min_element(before.y.begin(), before.y.end()));
+    EXPECT_EQ(*std::max_element(curve.y.begin(), curve.y.end()),
+              *std::max_element(before.y.begin(), before.y.end()));
+    EXPECT_EQ(*std::min_element(curve.y.begin(), curve.y.end()),
+              *std::min_element(before.y.begin(), before.y.end()));
     EXPECT_TRUE(std::is_sorted(curve.x.begin(), curve.x.end()));
     EXPECT_EQ(curve.x.front(), 0);
     EXPECT_EQ(curve.x.back(), static_cast<double>(n - 1));
-    for (size_t i = 0; i < curve.x.size(); ++i) ASSERT_EQ(curve.y[i], before.y[static_cast<size_t>(curve.x[i])]);  // nothing is made up
+    for (size_t i = 0; i < curve.x.size(); ++i)
+      ASSERT_EQ(curve.y[i], before.y[static_cast<size_t>(curve.x[i])]);  // nothing is made up
   }
 }
 
@@ -42,7 +46,8 @@ std::vector<std::pair<double, double>> points_of(const std::string& svg, const s
   if (!std::regex_search(svg, path, std::regex("class=\"" + name + "\"[^>]*d='([^']*)'"))) return points;
   const std::string text = path[1];
   const std::regex point("(-?[0-9.]+),(-?[0-9.]+)");
-  for (std::sregex_iterator at(text.begin(), text.end(), point), end; at != end; ++at) points.emplace_back(std::stod((*at)[1]), std::stod((*at)[2]));
+  for (std::sregex_iterator at(text.begin(), text.end(), point), end; at != end; ++at)
+    points.emplace_back(std::stod((*at)[1]), std::stod((*at)[2]));
   return points;
 }
 
@@ -55,7 +60,8 @@ TEST(Gnuplot, DrawsWhatItIsGiven) {
   if (!drawn) GTEST_SKIP() << "gnuplot is not installed";
   ASSERT_EQ(drawn->size(), 2u);
   const std::string& svg = (*drawn)[0];
-  EXPECT_TRUE(svg.starts_with("<svg viewBox=\"0 0 350 170\" role=\"img\" aria-label=\"a &lt;test&gt;\">")) << svg.substr(0, 200);
+  EXPECT_TRUE(svg.starts_with("<svg viewBox=\"0 0 350 170\" role=\"img\" aria-label=\"a &lt;test&gt;\">"))
+      << svg.substr(0, 200);
   EXPECT_TRUE(svg.ends_with("</svg>"));
   EXPECT_TRUE(points_of(svg, "s-green").empty());
   EXPECT_EQ(points_of((*drawn)[1], "s-green").size(), 4u);
@@ -70,15 +76,16 @@ TEST(Gnuplot, DrawsWhatItIsGiven) {
     EXPECT_NEAR(p[i].second, p[0].second + up * chart.curves[0].y[i], 0.02);
   }
   // nothing of where, when and by what it was made, and nothing from elsewhere
-  for (const char* word : {"http", "GNUPLOT", "gnuplot", "<?xml", "DOCTYPE", "rgb(", "id="}) EXPECT_EQ(svg.find(word), std::string::npos) << word << "\n" << svg.substr(0, 400);
+  for (const char* word : {"http", "GNUPLOT", "gnuplot", "<?xml", "DOCTYPE", "rgb(", "id="})
+    EXPECT_EQ(svg.find(word), std::string::npos) << word << "\n" << svg.substr(0, 400);
   EXPECT_NE(svg.find("<title>one</title>"), std::string::npos);
   EXPECT_EQ(*draw({chart, other}), *drawn);
 }
 
 TEST(Gnuplot, TakesWhatIsOdd) {
   const std::vector<double> t = {0, 1, 2};
-  Chart constant{.title = "constant"}, zero = constant, almost = constant, empty = constant, one = constant, huge = constant,
-        bars = constant, log = constant, path = constant;
+  Chart constant{.title = "constant"}, zero = constant, almost = constant, empty = constant, one = constant,
+                                       huge = constant, bars = constant, log = constant, path = constant;
   constant.curves = {{.label = "", .x = t, .y = {5, 5, 5}}};
   constant.levels = {5.1, 1e9}, constant.bands = {{4.9, 5.2}};
   zero.curves = {{.label = "", .x = t, .y = {0, 0, 0}}};
@@ -109,7 +116,13 @@ TEST(Gnuplot, ALengthIsTheSameOnBothAxes) {
 
 TEST(Html, TextAndBytes) {
   EXPECT_EQ(escape("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;");
-  const std::pair<const char*, const char*> rfc4648[] = {{"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foob", "Zm9vYg=="}, {"fooba", "Zm9vYmE="}, {"foobar", "Zm9vYmFy"}};
+  const std::pair<const char*, const char*> rfc4648[] = {{"", ""},
+                                                         {"f", "Zg=="},
+                                                         {"fo", "Zm8="},
+                                                         {"foo", "Zm9v"},
+                                                         {"foob", "Zm9vYg=="},
+                                                         {"fooba", "Zm9vYmE="},
+                                                         {"foobar", "Zm9vYmFy"}};
   for (const auto& [plain, coded] : rfc4648) EXPECT_EQ(base64(plain), coded);
   EXPECT_EQ(base64(std::string("\xff\xfe\x00", 3)), "//4A");
   EXPECT_EQ(figure(-0.0), "0");

@@ -32,8 +32,10 @@ TEST(Send, GoalForAllJoints) {
 TEST(Send, GoalForSomeJointsKeepsTheOthers) {
   EXPECT_TRUE(names_joints(Words{"elbow=0.5"}));
   EXPECT_EQ(goal(Words{"elbow=0.5"}, 0, kJoints, {0.1, 0.2}).values, (Numbers{0.1, 0.5}));
-  EXPECT_EQ(refusal([] { goal(Words{"elbo=1"}, 0, kJoints, {0, 0}); }), "goal: the robot has no joint 'elbo'; did you mean 'elbow'?");
-  EXPECT_EQ(refusal([] { goal(Words{"elbow=1", "2"}, 0, kJoints, {0, 0}); }), "goal: '2': either all numbers or JOINT=VALUE");
+  EXPECT_EQ(refusal([] { goal(Words{"elbo=1"}, 0, kJoints, {0, 0}); }),
+            "goal: the robot has no joint 'elbo'; did you mean 'elbow'?");
+  EXPECT_EQ(refusal([] { goal(Words{"elbow=1", "2"}, 0, kJoints, {0, 0}); }),
+            "goal: '2': either all numbers or JOINT=VALUE");
 }
 
 TEST(Send, FollowersTakeNoGoals) {
@@ -48,15 +50,18 @@ TEST(Send, GoalForAFrame) {
   // a quarter turn about y: both spellings
   const double half = std::sqrt(0.5);
   const Numbers turned{0, 0, 0, 0, half, 0, half};
-  for (const Place& place : {Place{"tool", "0,0,0", "0,1.5707963267948966,0", ""}, Place{"tool", "0,0,0", "", "0,0.7071,0,0.7071"}}) {
+  for (const Place& place : {Place{"tool", "0,0,0", "0,1.5707963267948966,0", ""},
+                             Place{"tool", "0,0,0", "", "0,0.7071,0,0.7071"}}) {
     const Action pose = goal(place, 0);
     ASSERT_EQ(pose.values.size(), 7u);
     for (size_t i = 0; i < 7; ++i) EXPECT_NEAR(pose.values[i], turned[i], 1e-15);
   }
   EXPECT_EQ(refusal([] { goal(Place{"tool", "", "", ""}, 0); }), "goal: --frame tool needs --position x,y,z");
-  EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2", "", ""}, 0); }), "--position: '1,2' has 2 numbers, needed 3");
+  EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2", "", ""}, 0); }),
+            "--position: '1,2' has 2 numbers, needed 3");
   EXPECT_EQ(refusal([] { goal(Place{"tool", "1,,2", "", ""}, 0); }), "--position: '' is not a number");
-  EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2,3", "", "0,0,0,0"}, 0); }), "--quaternion: its length is 0, must be 1");
+  EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2,3", "", "0,0,0,0"}, 0); }),
+            "--quaternion: its length is 0, must be 1");
   EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2,3", "nan,0,0", ""}, 0); }), "--rpy: nan is not finite");
 }
 
@@ -74,7 +79,8 @@ TEST(Send, SetOneManyOrAWord) {
 TEST(Send, PushIsAngularFirstOnTheWire) {
   EXPECT_EQ(push("tool", Words{"1", "2", "3"}, 0.5).values, (Numbers{0, 0, 0, 1, 2, 3, 0.5}));
   EXPECT_EQ(push("tool", Words{"1", "2", "3", "4", "5", "6"}, 0.5).values, (Numbers{4, 5, 6, 1, 2, 3, 0.5}));
-  EXPECT_EQ(refusal([] { push("tool", Words{"1"}, 0.5); }), "push: has 1 numbers, needed 3 (force, N) or 6 (force and torque, Nm)");
+  EXPECT_EQ(refusal([] { push("tool", Words{"1"}, 0.5); }),
+            "push: has 1 numbers, needed 3 (force, N) or 6 (force and torque, Nm)");
   EXPECT_EQ(refusal([] { push("tool", Words{"1", "2", "inf"}, 0.5); }), "push: inf is not finite");
   EXPECT_EQ(refusal([] { push("tool", Words{"1", "2", "3"}, 0); }), "--for: 0 is no time in s");
 }

@@ -34,8 +34,13 @@ TEST(Pushes, ImpulseIsTheChangeOfMomentum) {
   Experiment e;
   e.simulator.gravity = {0, 0, 0}, e.simulator.integrator = "rk4";
   const Eigen::Vector3d f1(3, -2, 5), f2(-1, 4, 0.5), n2(0.1, 0.2, -0.1);
-  e.simulator.pushes = {{.time = 0.15, .duration = 0.1, .frame = "handle", .force = {f2[0], f2[1], f2[2]}, .torque = {n2[0], n2[1], n2[2]}},
-                        {.time = 0.1, .duration = 0.1, .frame = "handle", .force = {f1[0], f1[1], f1[2]}}};  // they overlap
+  e.simulator.pushes = {
+      {.time = 0.15,
+       .duration = 0.1,
+       .frame = "handle",
+       .force = {f2[0], f2[1], f2[2]},
+       .torque = {n2[0], n2[1], n2[2]}},
+      {.time = 0.1, .duration = 0.1, .frame = "handle", .force = {f1[0], f1[1], f1[2]}}};  // they overlap
   const Config config = make_config(e, model);
   State state = initial(config);
   rbd::Data data(model);
@@ -58,13 +63,15 @@ TEST(Pushes, ImpulseIsTheChangeOfMomentum) {
       begun.push_back(out.state.step);
     }
 
-    const double one = 0.001 * std::clamp(k + 1 - 100, 0, 100), two = 0.001 * std::clamp(k + 1 - 150, 0, 100);  // s so far
+    const double one = 0.001 * std::clamp(k + 1 - 100, 0, 100),
+                 two = 0.001 * std::clamp(k + 1 - 150, 0, 100);  // s so far
     rbd::computeCentroidalMomentum(model, data, state.robot.q, state.robot.v);
     const Eigen::Vector3d p = data.hg.linear(), wanted = one * f1 + two * f2;
     // rk4 of a body that turns at 2 rad/s or so: (w dt)^4 of what it has, and rounding
     for (int i = 0; i < 3; ++i) ASSERT_NEAR(p[i], wanted[i], 1e-11) << k;
     const Eigen::Vector3d L = data.hg.angular() + rbd::centerOfMass(model, data, state.robot.q).cross(p);
-    for (int i = 0; i < 3; ++i) ASSERT_NEAR(L[i], turned[i], 1e-6) << k;  // trapezoids: dt^2 / 12 * |arm''| |f| * T < 1e-7 * 2 * 6
+    for (int i = 0; i < 3; ++i)
+      ASSERT_NEAR(L[i], turned[i], 1e-6) << k;  // trapezoids: dt^2 / 12 * |arm''| |f| * T < 1e-7 * 2 * 6
   }
   EXPECT_EQ(begun, (std::vector<int64_t>{101, 151})) << "said with the first state that they have moved";
   EXPECT_TRUE(state.load.pushes.empty());
@@ -75,7 +82,8 @@ TEST(Payloads, BendAPdByTheirWeightOverTheGain) {
   Experiment e;
   const double mass = 2;
   const Eigen::Vector3d com(0.02, -0.03, 0.1);
-  e.simulator.payloads = {{.time = 0.5, .frame = "effector_body", .mass = mass, .com = {com[0], com[1], com[2]}}};
+  e.simulator.payloads = {
+      {.time = 0.5, .frame = "effector_body", .mass = mass, .com = {com[0], com[1], com[2]}}};
   const Eigen::VectorXd goal = (Eigen::VectorXd(6) << 0.3, 0.8, -0.5, 0.4, 0.6, 0.2).finished();
   e.simulator.q0.value = std::vector<double>(goal.data(), goal.data() + 6);
   const Config config = make_config(e, model);
@@ -85,14 +93,16 @@ TEST(Payloads, BendAPdByTheirWeightOverTheGain) {
   int said = 0;
   for (int k = 0; k < 8000; ++k) {
     const Command command{.tau = kp * (goal - state.robot.q) - kd * state.robot.v, .state_step = k};
-    for (const Event& event : step(config, state, {.command = &command}).events) said += event.what == "payload" && k == 500;
+    for (const Event& event : step(config, state, {.command = &command}).events)
+      said += event.what == "payload" && k == 500;
   }
   EXPECT_EQ(said, 1);
   for (int i = 0; i < 6; ++i) ASSERT_LT(std::abs(state.robot.v[i]), 1e-9) << "at rest";
   // by virtual work: g of the bare arm, and J' of the point where the mass hangs, times its weight
   Eigen::VectorXd wanted = rbd::computeGeneralizedGravity(model, data, state.robot.q);
   const rbd::FrameIndex frame = model.frameId("effector_body");
-  const rbd::Matrix6Xd J = rbd::computeFrameJacobian(model, data, state.robot.q, frame, rbd::LOCAL_WORLD_ALIGNED);
+  const rbd::Matrix6Xd J =
+      rbd::computeFrameJacobian(model, data, state.robot.q, frame, rbd::LOCAL_WORLD_ALIGNED);
   rbd::framesForwardKinematics(model, data, state.robot.q);
   const Eigen::Vector3d reach = data.oMf[frame].rotation() * com;
   double heaviest = 0;
@@ -100,7 +110,8 @@ TEST(Payloads, BendAPdByTheirWeightOverTheGain) {
     const Eigen::Vector3d turn = J.col(i).head<3>(), point = J.col(i).tail<3>() + turn.cross(reach);
     const double weight = -mass * point.dot(model.gravity.linear());
     heaviest = std::max(heaviest, std::abs(weight));
-    EXPECT_NEAR(kp * (goal[i] - state.robot.q[i]), wanted[i] + weight, kd * 1e-9 + 1e-6);  // what is left of the motion
+    EXPECT_NEAR(kp * (goal[i] - state.robot.q[i]), wanted[i] + weight,
+                kd * 1e-9 + 1e-6);  // what is left of the motion
   }
   EXPECT_GT(heaviest, 5) << "Nm: it does weigh";
 }
@@ -110,7 +121,9 @@ TEST(Payloads, TheNewTakesThePlaceOfTheOldAndNothingIsLeft) {
   const Config config = make_config(Experiment(), model);
   State state = initial(config);
   const auto put = [&](const std::string& frame, double mass) {
-    return step(config, state, {.actions = std::vector<Action>{{"payload", frame, "", "", {mass, 0.1, 0, 0}}}}).events;
+    return step(config, state,
+                {.actions = std::vector<Action>{{"payload", frame, "", "", {mass, 0.1, 0, 0}}}})
+        .events;
   };
   const rbd::JointIndex joint = model.frames[model.frameId("effector_body")].parentJoint;
   const double bare = model.inertias[joint].mass();
@@ -123,17 +136,21 @@ TEST(Payloads, TheNewTakesThePlaceOfTheOldAndNothingIsLeft) {
   put("effector_body", 0), put(model.names[joint], 0);
   EXPECT_EQ(state.load.model.inertias[joint].matrix(), model.inertias[joint].matrix()) << "to the last bit";
   EXPECT_EQ(put("elbow", 1)[0].why, "'payload': no frame 'elbow'");
-  EXPECT_EQ(put("universe", 1)[0].why, "'payload': frame 'universe' stands on the ground; name one that moves");
-  EXPECT_EQ(put("effector_body", -1)[0].why, "'payload': payload of -1 kg, needed at least 0 and at most 1e+06");
+  EXPECT_EQ(put("universe", 1)[0].why,
+            "'payload': frame 'universe' stands on the ground; name one that moves");
+  EXPECT_EQ(put("effector_body", -1)[0].why,
+            "'payload': payload of -1 kg, needed at least 0 and at most 1e+06");
 }
 
 /// A wheel with a stop at 1 rad, spinning at it with 1 rad/s from 0.5 rad.
 struct Wheel {
   Wheel(double damping, double dt) {
     rbd::JointLimits limits;
-    limits.lowerPosition = Eigen::VectorXd::Constant(1, -1), limits.upperPosition = Eigen::VectorXd::Constant(1, 1);
+    limits.lowerPosition = Eigen::VectorXd::Constant(1, -1),
+    limits.upperPosition = Eigen::VectorXd::Constant(1, 1);
     model.addJoint(0, rbd::JointModelRZ(), rbd::SE3(), "wheel", limits);
-    model.appendBodyToJoint(1, rbd::Inertia(1, Eigen::Vector3d::Zero(), inertia * Eigen::Matrix3d::Identity()));
+    model.appendBodyToJoint(1,
+                            rbd::Inertia(1, Eigen::Vector3d::Zero(), inertia * Eigen::Matrix3d::Identity()));
     Experiment e;
     e.simulator.dt = dt, e.simulator.integrator = "rk4";
     e.simulator.q0.value = 0.5, e.simulator.v0.value = 1.0;
@@ -207,9 +224,11 @@ TEST(Disturbances, SayWhatIsWrongWithThem) {
   e.file = "x.yaml", e.simulator.payloads = {{.time = 0, .frame = "hand", .mass = 1}};
   EXPECT_EQ(refusal(e, model), "x.yaml: simulator.payloads[0].frame: no frame 'hand'");
   e.simulator.payloads.clear(), e.simulator.limit_repulsion.damping.value = 1.0;
-  EXPECT_EQ(refusal(e, model), "x.yaml: simulator.limit_repulsion.damping: joint '" + model.names[1] + "' has a damper but no spring; give stiffness too");
+  EXPECT_EQ(refusal(e, model), "x.yaml: simulator.limit_repulsion.damping: joint '" + model.names[1] +
+                                   "' has a damper but no spring; give stiffness too");
   e.simulator.limit_repulsion.stiffness.value = 10.0, e.simulator.limit_repulsion.margin.value = 0.0;
-  EXPECT_EQ(refusal(e, model), "x.yaml: simulator.limit_repulsion.margin: is 0 for joint '" + model.names[1] + "'; the spring needs some way, for example 0.1");
+  EXPECT_EQ(refusal(e, model), "x.yaml: simulator.limit_repulsion.margin: is 0 for joint '" + model.names[1] +
+                                   "'; the spring needs some way, for example 0.1");
   e.simulator.limit_repulsion.margin.value = 50.0;
   EXPECT_NE(refusal(e, model).find("50 is more than half of the way that joint"), std::string::npos);
 }
@@ -226,15 +245,21 @@ Recorded record(const Config& config) {
   Recorded out;
   State state = initial(config);
   out.logged.push_back(sensed(config, state)), out.truth.push_back(state.robot);
-  out.told.actions = {{50, {{"push", "effector_body", "", "", {0, 0, 1, 5, 0, 0, 0.1}}}},
-                      {120, {{"payload", "effector_body", "", "", {1.5, 0, 0, 0.1}}, {"set", "controller", "kp", "", {1}}}},
-                      {200, {{"estop", "", "", "", {}}}},
-                      {260, {{"rearm", "", "", "", {}}}}};
+  out.told.actions = {
+      {50, {{"push", "effector_body", "", "", {0, 0, 1, 5, 0, 0, 0.1}}}},
+      {120, {{"payload", "effector_body", "", "", {1.5, 0, 0, 0.1}}, {"set", "controller", "kp", "", {1}}}},
+      {200, {{"estop", "", "", "", {}}}},
+      {260, {{"rearm", "", "", "", {}}}}};
   for (int64_t k = 1; k <= 400; ++k) {
-    if (k % 2 == 1) out.told.commands[k] = {.tau = 20 * (Eigen::VectorXd::Constant(6, 0.2) - out.logged.back().q) - out.logged.back().v, .state_step = k - 1};
+    if (k % 2 == 1)
+      out.told.commands[k] = {
+          .tau = 20 * (Eigen::VectorXd::Constant(6, 0.2) - out.logged.back().q) - out.logged.back().v,
+          .state_step = k - 1};
     Input input;
-    if (const auto command = out.told.commands.find(k); command != out.told.commands.end()) input.command = &command->second;
-    if (const auto actions = out.told.actions.find(k); actions != out.told.actions.end()) input.actions = actions->second;
+    if (const auto command = out.told.commands.find(k); command != out.told.commands.end())
+      input.command = &command->second;
+    if (const auto actions = out.told.actions.find(k); actions != out.told.actions.end())
+      input.actions = actions->second;
     const Output output = step(config, state, input);
     EXPECT_FALSE(output.abort);
     out.logged.push_back(output.state), out.truth.push_back(state.robot);
@@ -247,7 +272,9 @@ TEST(Fold, GivesTheTrueStatesBackBitForBit) {
   e.simulator.pushes = {{.time = 0.1, .duration = 0.05, .frame = "effector_body", .force = {10, 0, 0}}};
   e.simulator.limit_repulsion.stiffness.value = 50.0;
   for (const bool noisy : {false, true}) {
-    if (noisy) e.simulator.noise.q.value = 1e-3, e.simulator.noise.v.value = 0.01, e.simulator.delay = 0.004, e.seed = 3;
+    if (noisy)
+      e.simulator.noise.q.value = 1e-3, e.simulator.noise.v.value = 0.01, e.simulator.delay = 0.004,
+      e.seed = 3;
     const Config config = make_config(e, arm());
     const Recorded run = record(config);
     const std::vector<RobotState> folded = true_states(config, run.logged, run.told);

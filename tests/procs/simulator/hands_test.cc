@@ -31,10 +31,12 @@ TEST(Hands, APushDoesTheWorkOfItsWrench) {
   rbd::Data data(config.model);
   const auto frame = config.model.frameId("effector_body");
   const Eigen::Vector3d force(3, -2, 5);
-  const std::vector<Action> push{{"push", "effector_body", "", "", {0, 0, 0, force[0], force[1], force[2], 0.05}}};
+  const std::vector<Action> push{
+      {"push", "effector_body", "", "", {0, 0, 0, force[0], force[1], force[2], 0.05}}};
   rbd::framesForwardKinematics(config.model, data, state.robot.q);
   const Eigen::Vector3d before = data.oMf[frame].translation();
-  for (int k = 0; k < 500; ++k) EXPECT_TRUE(step(config, state, {.actions = k == 0 ? push : std::vector<Action>{}}).events.empty());
+  for (int k = 0; k < 500; ++k)
+    EXPECT_TRUE(step(config, state, {.actions = k == 0 ? push : std::vector<Action>{}}).events.empty());
   EXPECT_TRUE(state.load.pushes.empty()) << "0.05 s are over";
   rbd::framesForwardKinematics(config.model, data, state.robot.q);
   const double work = force.dot(data.oMf[frame].translation() - before);

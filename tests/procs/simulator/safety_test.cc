@@ -134,7 +134,8 @@ TEST(Safety, InvariantsUnderRandomInput) {
       const Mode before = m.state.mode;
       const bool estop = random() % 500 == 0, rearm = random() % 200 == 0;
       const bool burst = (i / 40) % 2 == 0;
-      const Mode after = m.next(burst && random() % 10 ? 1 + static_cast<int64_t>(random() % 3) : 0, estop, rearm);
+      const Mode after =
+          m.next(burst && random() % 10 ? 1 + static_cast<int64_t>(random() % 3) : 0, estop, rearm);
       if (after == Mode::Running) {
         ASSERT_LT(m.now - m.state.newest, 20);
         ASSERT_FALSE(estop);

@@ -42,7 +42,8 @@ TEST(Noise, ItsDistributionIsAGaussians) {  // Kolmogorov, Smirnov: beyond 2.2 /
   for (int k = 0; k < kMany; ++k) x[k] = gaussian(0, k, 1, NoiseKind::Position);
   std::sort(x.begin(), x.end());
   double worst = 0;
-  for (int k = 0; k < kMany; ++k) worst = std::max(worst, std::abs(0.5 * std::erfc(-x[k] / std::sqrt(2.0)) - (k + 0.5) / kMany));
+  for (int k = 0; k < kMany; ++k)
+    worst = std::max(worst, std::abs(0.5 * std::erfc(-x[k] / std::sqrt(2.0)) - (k + 0.5) / kMany));
   EXPECT_LT(worst, 2.2 / std::sqrt(double{kMany}));
 }
 
@@ -84,7 +85,8 @@ TEST(Sensors, SayWhatWasAndTheRobotDoesNotCare) {
   Experiment e;
   e.simulator.q0.value = std::vector<double>{0.3, 0.8, -0.5, 0.4, 0.6, 0.2};
   const Config clean = make_config(e, arm());
-  e.simulator.delay = 0.003, e.simulator.noise.q.value = JointValues::Named{{"joint3_elbow", 0.01}}, e.simulator.noise.v.value = 0.2;
+  e.simulator.delay = 0.003, e.simulator.noise.q.value = JointValues::Named{{"joint3_elbow", 0.01}},
+  e.simulator.noise.v.value = 0.2;
   e.seed = 9;
   const Config dirty = make_config(e, arm());
   ASSERT_EQ(dirty.sensors.delay, 3);
@@ -103,7 +105,8 @@ TEST(Sensors, SayWhatWasAndTheRobotDoesNotCare) {
     EXPECT_EQ(seen[k].step, k);
     EXPECT_EQ(seen[k].tau, truth[k].tau);
     for (int i = 0; i < 6; ++i) {
-      const double q = i == elbow ? 0.01 * gaussian(9, k, i + 1, NoiseKind::Position) : 0, v = 0.2 * gaussian(9, k, i + 1, NoiseKind::Velocity);
+      const double q = i == elbow ? 0.01 * gaussian(9, k, i + 1, NoiseKind::Position) : 0,
+                   v = 0.2 * gaussian(9, k, i + 1, NoiseKind::Velocity);
       EXPECT_NEAR(seen[k].q[i] - was.q[i], q, 4e-16 * 4);  // one rounding of a number below 4
       EXPECT_NEAR(seen[k].v[i] - was.v[i], v, 4e-16 * 16);
       if (q == 0) {
@@ -121,7 +124,9 @@ TEST(Sensors, SayWhatTheyCannotDo) {
   Experiment e;
   e.file = "x.yaml";
   e.simulator.delay = 0.002, e.logger.every = 10;
-  EXPECT_EQ(refusal(e, arm()), "x.yaml: logger.every: is 10, but with noise or delay the true states can only be found from every step; give 1");
+  EXPECT_EQ(refusal(e, arm()),
+            "x.yaml: logger.every: is 10, but with noise or delay the true states can only be found from "
+            "every step; give 1");
   e.logger.every = 1, e.simulator.dt = 1e-6, e.simulator.delay = 0.5;
   EXPECT_EQ(refusal(e, arm()), "x.yaml: simulator.delay: 0.5 s are 500000 steps; give at most 10000");
   e = Experiment();
@@ -132,7 +137,9 @@ TEST(Sensors, SayWhatTheyCannotDo) {
   EXPECT_EQ(refusal(e, humanoid), "accepted") << "the joints' noise, not the base's";
   EXPECT_EQ(make_config(e, humanoid).sensors.noisy.size(), static_cast<size_t>(humanoid.njoints - 2));
   e.simulator.noise.v.value = std::vector<double>(static_cast<size_t>(humanoid.nv), 0.1);
-  EXPECT_EQ(refusal(e, humanoid), "x.yaml: simulator.noise.v: joint '" + humanoid.names[1] + "' has several degrees of freedom and is seen without noise; leave it out or give 0");
+  EXPECT_EQ(refusal(e, humanoid),
+            "x.yaml: simulator.noise.v: joint '" + humanoid.names[1] +
+                "' has several degrees of freedom and is seen without noise; leave it out or give 0");
 }
 
 }  // namespace

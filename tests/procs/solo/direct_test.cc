@@ -17,7 +17,8 @@ namespace lab {
 namespace {
 
 bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<size_t>(a.size())) == 0;
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<size_t>(a.size())) == 0;
 }
 
 struct Case {
@@ -50,10 +51,12 @@ TEST_P(Direct, GivesWhatTheLogOfLabSoloHolds) {
     for (size_t k = 0; k < direct->states.size(); ++k) {
       const RobotState &a = direct->states[k], &b = logged.run.states[k];
       ASSERT_EQ(a.step, b.step);
-      ASSERT_TRUE(a.time == b.time && same_bits(a.q, b.q) && same_bits(a.v, b.v) && same_bits(a.tau, b.tau)) << "state " << a.step;
+      ASSERT_TRUE(a.time == b.time && same_bits(a.q, b.q) && same_bits(a.v, b.v) && same_bits(a.tau, b.tau))
+          << "state " << a.step;
       const Reference &r = direct->references[k], &s = logged.run.references[k];
       ASSERT_EQ(r.step, s.step);
-      ASSERT_TRUE(same_bits(r.q, s.q) && same_bits(r.v, s.v) && same_bits(r.a, s.a)) << "reference " << r.step;
+      ASSERT_TRUE(same_bits(r.q, s.q) && same_bits(r.v, s.v) && same_bits(r.a, s.a))
+          << "reference " << r.step;
     }
     EXPECT_EQ(evaluate(*direct, e.expect).dump(), evaluate(logged.run, logged.experiment.expect).dump());
   }
@@ -66,22 +69,31 @@ TEST_P(Direct, GivesWhatTheLogOfLabSoloHolds) {
 
 INSTANTIATE_TEST_SUITE_P(
     Experiments, Direct,
-    testing::Values(Case{"cubic_pd.yaml", {}}, Case{"arm3_cubic_pd.yaml", {}}, Case{"arm3_sinusoid_ct.yaml", {"simulator.duration=1"}},
-                    Case{"point_to_point.yaml", {"simulator.duration=3"}}, Case{"free_swing.yaml", {"simulator.duration=1"}},
-                    Case{"cubic_pd.yaml", {"planner.lead=0"}}, Case{"cubic_pd.yaml", {"planner.lead=128", "simulator.duration=0.5"}},
-                    Case{"sinusoid_ct.yaml", {"controller.every=7", "simulator.integrator=rk4", "simulator.duration=1"}},
-                    // a dt that is no whole number of microseconds, a log with every third step and the last
-                    Case{"sinusoid_pd.yaml", {"logger.every=3", "simulator.dt=0.0012345", "simulator.duration=1"}},
-                    // efforts at their limits, dry friction, a controller that is wrong about the masses
-                    Case{"cubic_pd.yaml", {"controller.kp=1e6", "controller.kind=pd_gravity", "controller.model.mass_scale=1.5",
-                                            "simulator.friction=0.3", "simulator.damping=0.1"}},
-                    // what sensors say is not the truth; a payload, pushes, soft stops
-                    Case{"noise_and_delay.yaml", {"planner.lead=2", "controller.every=3"}}, Case{"payload.yaml", {"evaluation.band=0.05", "evaluation.frame=arm_tool_link"}}, Case{"pushed.yaml", {}},
-                    Case{"joint_limits.yaml", {}}, Case{"payload.yaml", {"simulator.noise.v=0.01", "simulator.delay=0.003"}},
-                    Case{"waypoints.yaml", {"simulator.duration=1"}}, Case{"circle_arm3.yaml", {"simulator.duration=1"}}, Case{"line_arm.yaml", {"simulator.duration=1"}},
-                    // two ways to end early
-                    Case{"arm3_cubic_pd.yaml", {"simulator.damping=1e6"}, "diverged"},
-                    Case{"sinusoid_pd.yaml", {"controller.kp=1.7e308", "planner.amplitude=1.5", "planner.phase=1.57"}, "not finite"}),
+    testing::Values(
+        Case{"cubic_pd.yaml", {}}, Case{"arm3_cubic_pd.yaml", {}},
+        Case{"arm3_sinusoid_ct.yaml", {"simulator.duration=1"}},
+        Case{"point_to_point.yaml", {"simulator.duration=3"}},
+        Case{"free_swing.yaml", {"simulator.duration=1"}}, Case{"cubic_pd.yaml", {"planner.lead=0"}},
+        Case{"cubic_pd.yaml", {"planner.lead=128", "simulator.duration=0.5"}},
+        Case{"sinusoid_ct.yaml", {"controller.every=7", "simulator.integrator=rk4", "simulator.duration=1"}},
+        // a dt that is no whole number of microseconds, a log with every third step and the last
+        Case{"sinusoid_pd.yaml", {"logger.every=3", "simulator.dt=0.0012345", "simulator.duration=1"}},
+        // efforts at their limits, dry friction, a controller that is wrong about the masses
+        Case{"cubic_pd.yaml",
+             {"controller.kp=1e6", "controller.kind=pd_gravity", "controller.model.mass_scale=1.5",
+              "simulator.friction=0.3", "simulator.damping=0.1"}},
+        // what sensors say is not the truth; a payload, pushes, soft stops
+        Case{"noise_and_delay.yaml", {"planner.lead=2", "controller.every=3"}},
+        Case{"payload.yaml", {"evaluation.band=0.05", "evaluation.frame=arm_tool_link"}},
+        Case{"pushed.yaml", {}}, Case{"joint_limits.yaml", {}},
+        Case{"payload.yaml", {"simulator.noise.v=0.01", "simulator.delay=0.003"}},
+        Case{"waypoints.yaml", {"simulator.duration=1"}}, Case{"circle_arm3.yaml", {"simulator.duration=1"}},
+        Case{"line_arm.yaml", {"simulator.duration=1"}},
+        // two ways to end early
+        Case{"arm3_cubic_pd.yaml", {"simulator.damping=1e6"}, "diverged"},
+        Case{"sinusoid_pd.yaml",
+             {"controller.kp=1.7e308", "planner.amplitude=1.5", "planner.phase=1.57"},
+             "not finite"}),
     [](const auto& info) { return "Case" + std::to_string(info.index); });
 
 TEST(DirectLoop, CanBeStopped) {

@@ -35,7 +35,8 @@ const double kBound = 1.95 / std::sqrt(kMany);
 
 TEST(Draw, UniformHasItsDistribution) {
   const Distribution d{Kind::Uniform, 0.5, 1.5, {}};
-  for (int64_t seed : {0, 1, 2}) EXPECT_LT(distance(draw(d, seed, "a"), [](double x) { return x - 0.5; }), kBound) << seed;
+  for (int64_t seed : {0, 1, 2})
+    EXPECT_LT(distance(draw(d, seed, "a"), [](double x) { return x - 0.5; }), kBound) << seed;
 }
 
 TEST(Draw, LogUniformHasItsDistribution) {
@@ -45,7 +46,9 @@ TEST(Draw, LogUniformHasItsDistribution) {
 
 TEST(Draw, NormalHasItsDistribution) {
   const Distribution d{Kind::Normal, 3, 2, {}};
-  EXPECT_LT(distance(draw(d, 1, "a"), [](double x) { return 0.5 * std::erfc(-(x - 3) / (2 * std::sqrt(2.0))); }), kBound);
+  EXPECT_LT(
+      distance(draw(d, 1, "a"), [](double x) { return 0.5 * std::erfc(-(x - 3) / (2 * std::sqrt(2.0))); }),
+      kBound);
 }
 
 TEST(Draw, IntegersAndChoicesAreEquallyLikely) {
@@ -66,7 +69,8 @@ TEST(Draw, KeysAndSeedsAreIndependent) {
   const Distribution d{Kind::Uniform, -1, 1, {}};
   const std::vector<double> a = draw(d, 1, "a"), b = draw(d, 1, "b"), other = draw(d, 2, "a");
   double ab = 0, seeds = 0, next = 0;
-  for (size_t i = 0; i + 1 < a.size(); ++i) ab += a[i] * b[i], seeds += a[i] * other[i], next += a[i] * a[i + 1];
+  for (size_t i = 0; i + 1 < a.size(); ++i)
+    ab += a[i] * b[i], seeds += a[i] * other[i], next += a[i] * a[i + 1];
   // a product of two has variance 1/9: five standard deviations of the sum
   const double bound = 5 * std::sqrt(kMany / 9.0);
   EXPECT_LT(std::abs(ab), bound);
@@ -82,7 +86,8 @@ TEST(Draw, IsAPureFunction) {
   EXPECT_EQ(all.size(), 1000u);
   EXPECT_EQ(value_of(d, 7, 1000, "k"), late);
   // frozen: a sweep that is run again next year gets the same draws
-  EXPECT_EQ(value_of({Kind::Uniform, 0.5, 1.5, {}}, 1, 0, "controller.model.mass_scale"), "0.939490509482871");
+  EXPECT_EQ(value_of({Kind::Uniform, 0.5, 1.5, {}}, 1, 0, "controller.model.mass_scale"),
+            "0.939490509482871");
 }
 
 }  // namespace

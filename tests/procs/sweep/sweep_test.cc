@@ -88,7 +88,8 @@ TEST_F(SweepFile, RunsAreGridTimesDraws) {
   EXPECT_NE(sweep.values(58)[3], sweep.values(59)[3]);
   EXPECT_EQ(sweep.values(30)[0], "{joint1_base_yaw: 5}");
   const Experiment e = Workbench(sweep).prepare(30 + 9).experiment;
-  EXPECT_EQ(std::get<JointValues::Named>(e.controller.kp.value), (JointValues::Named{{"joint1_base_yaw", 5}}));
+  EXPECT_EQ(std::get<JointValues::Named>(e.controller.kp.value),
+            (JointValues::Named{{"joint1_base_yaw", 5}}));
   EXPECT_EQ(std::get<double>(e.simulator.damping.value), 1);
   EXPECT_EQ(number(e.controller.model.mass_scale), sweep.values(1)[3]);
   EXPECT_EQ(e.simulator.duration, 0.1);
@@ -98,30 +99,52 @@ TEST_F(SweepFile, FaultsHaveALineAndANearName) {
   const std::string ok = "grid: {controller.kp: [10]}\n";
   EXPECT_EQ(fault(ok), "");
   EXPECT_EQ(fault("gird: {controller.kp: [10]}\n"), "s.yaml:2: unknown key 'gird'; did you mean 'grid'?");
-  EXPECT_EQ(fault("grid:\n  controler.kp: [10]\n"), "s.yaml:3: unknown section 'controler'; did you mean 'controller'?");
-  EXPECT_EQ(fault("grid:\n  controller.kp: [10, -1]\n").substr(0, 57), "s.yaml:3: controller.kp: -1 is too small; give at least 0");
-  EXPECT_EQ(fault("grid:\n  controller.kp: [10]\n  simulator.dt: [0.01, abc]\n"), "s.yaml:4: simulator.dt: must be a number, not 'abc'");
-  EXPECT_EQ(fault("grid:\n  controller.kp: [10]\n\n  controller.kp.elbow: [1]\n"), "s.yaml:5: controller.kp.elbow: 'kp' is not a map in cubic_pd.yaml");
-  EXPECT_EQ(fault("set:\n  planner.kind: cubicle\n" + ok).substr(0, 54), "s.yaml:3: planner.kind: 'cubicle' is not known; use on");
-  EXPECT_EQ(fault("grid: {controller.kp: 10}\n"), "s.yaml:2: controller.kp: must be a list of values or {from: a, to: b, count: n, scale: linear|log}");
-  EXPECT_EQ(fault("grid: {controller.kp: []}\n"), "s.yaml:2: controller.kp: is an empty list; give at least one value");
+  EXPECT_EQ(fault("grid:\n  controler.kp: [10]\n"),
+            "s.yaml:3: unknown section 'controler'; did you mean 'controller'?");
+  EXPECT_EQ(fault("grid:\n  controller.kp: [10, -1]\n").substr(0, 57),
+            "s.yaml:3: controller.kp: -1 is too small; give at least 0");
+  EXPECT_EQ(fault("grid:\n  controller.kp: [10]\n  simulator.dt: [0.01, abc]\n"),
+            "s.yaml:4: simulator.dt: must be a number, not 'abc'");
+  EXPECT_EQ(fault("grid:\n  controller.kp: [10]\n\n  controller.kp.elbow: [1]\n"),
+            "s.yaml:5: controller.kp.elbow: 'kp' is not a map in cubic_pd.yaml");
+  EXPECT_EQ(fault("set:\n  planner.kind: cubicle\n" + ok).substr(0, 54),
+            "s.yaml:3: planner.kind: 'cubicle' is not known; use on");
+  EXPECT_EQ(
+      fault("grid: {controller.kp: 10}\n"),
+      "s.yaml:2: controller.kp: must be a list of values or {from: a, to: b, count: n, scale: linear|log}");
+  EXPECT_EQ(fault("grid: {controller.kp: []}\n"),
+            "s.yaml:2: controller.kp: is an empty list; give at least one value");
   EXPECT_EQ(fault("grid: {controller.kp: [1, 2, 1]}\n"), "s.yaml:2: controller.kp: has the value 1 twice");
-  EXPECT_EQ(fault("grid: {controller.kp: {from: 1, to: 2}}\n"), "s.yaml:2: controller.kp: a range needs from, to and count; count is missing");
-  EXPECT_EQ(fault("grid: {controller.kp: {from: 1, to: 2, cuont: 3}}\n").substr(0, 54), "s.yaml:2: unknown key 'cuont'; did you mean 'count'?\ns");
-  EXPECT_EQ(fault("grid: {controller.kp: {from: 0, to: 2, count: 3, scale: log}}\n"), "s.yaml:2: controller.kp: a log scale needs from and to above 0");
-  EXPECT_EQ(fault("grid: {controller.kp: {from: nan, to: 2, count: 3}}\n"), "s.yaml:2: from: must be a finite number, not 'nan'");
-  EXPECT_EQ(fault("metrics: [rms_eror]\n" + ok), "s.yaml:2: metrics: rms_eror: there is no metric 'rms_eror'; did you mean 'rms_error'?");
-  EXPECT_NE(fault("metrics: [rms_error.elbow]\n" + ok).find("s.yaml:2: metrics: rms_error.elbow: "), std::string::npos);
+  EXPECT_EQ(fault("grid: {controller.kp: {from: 1, to: 2}}\n"),
+            "s.yaml:2: controller.kp: a range needs from, to and count; count is missing");
+  EXPECT_EQ(fault("grid: {controller.kp: {from: 1, to: 2, cuont: 3}}\n").substr(0, 54),
+            "s.yaml:2: unknown key 'cuont'; did you mean 'count'?\ns");
+  EXPECT_EQ(fault("grid: {controller.kp: {from: 0, to: 2, count: 3, scale: log}}\n"),
+            "s.yaml:2: controller.kp: a log scale needs from and to above 0");
+  EXPECT_EQ(fault("grid: {controller.kp: {from: nan, to: 2, count: 3}}\n"),
+            "s.yaml:2: from: must be a finite number, not 'nan'");
+  EXPECT_EQ(fault("metrics: [rms_eror]\n" + ok),
+            "s.yaml:2: metrics: rms_eror: there is no metric 'rms_eror'; did you mean 'rms_error'?");
+  EXPECT_NE(fault("metrics: [rms_error.elbow]\n" + ok).find("s.yaml:2: metrics: rms_error.elbow: "),
+            std::string::npos);
   EXPECT_EQ(fault("metrics: []\n" + ok), "s.yaml:2: metrics: must be a list of names");
   EXPECT_EQ(fault(""), "s.yaml: nothing varies; give keys under grid: or draws:");
   EXPECT_EQ(fault("draws: {count: 3}\n"), "s.yaml:2: draws: needs count: and keys:");
-  EXPECT_EQ(fault("draws: {count: 0, keys: {seed: {integer: [1, 9]}}}\n"), "s.yaml:2: count: must be a whole number from 1 to 1000000, not '0'");
-  EXPECT_EQ(fault("draws: {count: 2, keys: {seed: {intger: [1, 9]}}}\n"), "s.yaml:2: unknown key 'intger'; did you mean 'integer'?");
-  EXPECT_EQ(fault("draws: {count: 2, keys: {controller.kp: {uniform: [1, 0]}}}\n"), "s.yaml:2: controller.kp: uniform: the second number is below the first");
-  EXPECT_EQ(fault(ok + "draws: {count: 2, keys: {controller.kp: {uniform: [1, 2]}}}\n"), "s.yaml:3: 'controller.kp' is in the grid too; a key can vary in one way only");
-  EXPECT_EQ(fault("grid: {controller.kp: {from: 1, to: 2, count: 2000}, controller.kd: {from: 1, to: 2, count: 2000}}\n"), "s.yaml: 4e+06 runs; at most 1000000 at a time");
-  EXPECT_EQ(fault("grid: {simulator.clock: [realtime]}\n"), "s.yaml:2: simulator.clock: is realtime; a sweep runs in one process: use lockstep");
-  EXPECT_EQ(fault("grid: {robot.model: [gone.urdf]}\n").substr(0, 44), "s.yaml:2: robot.model: 'gone.urdf' cannot be");
+  EXPECT_EQ(fault("draws: {count: 0, keys: {seed: {integer: [1, 9]}}}\n"),
+            "s.yaml:2: count: must be a whole number from 1 to 1000000, not '0'");
+  EXPECT_EQ(fault("draws: {count: 2, keys: {seed: {intger: [1, 9]}}}\n"),
+            "s.yaml:2: unknown key 'intger'; did you mean 'integer'?");
+  EXPECT_EQ(fault("draws: {count: 2, keys: {controller.kp: {uniform: [1, 0]}}}\n"),
+            "s.yaml:2: controller.kp: uniform: the second number is below the first");
+  EXPECT_EQ(fault(ok + "draws: {count: 2, keys: {controller.kp: {uniform: [1, 2]}}}\n"),
+            "s.yaml:3: 'controller.kp' is in the grid too; a key can vary in one way only");
+  EXPECT_EQ(fault("grid: {controller.kp: {from: 1, to: 2, count: 2000}, controller.kd: {from: 1, to: 2, "
+                  "count: 2000}}\n"),
+            "s.yaml: 4e+06 runs; at most 1000000 at a time");
+  EXPECT_EQ(fault("grid: {simulator.clock: [realtime]}\n"),
+            "s.yaml:2: simulator.clock: is realtime; a sweep runs in one process: use lockstep");
+  EXPECT_EQ(fault("grid: {robot.model: [gone.urdf]}\n").substr(0, 44),
+            "s.yaml:2: robot.model: 'gone.urdf' cannot be");
   EXPECT_EQ(fault("- 1\n").substr(0, 22), "s.yaml:2: not YAML: en");
   std::ofstream(dir_ + "/t.yaml") << "experiment: gone.yaml\ngrid: {controller.kp: [1]}\n";
   EXPECT_THROW(read_sweep(dir_ + "/t.yaml"), ExperimentError);
@@ -139,7 +162,8 @@ TEST_F(SweepFile, TheTableIsTheSameForAnyNumberOfThreadsAndAfterAnyStop) {
   EXPECT_EQ(page(sweep, four), page(sweep, one));
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 19);
   EXPECT_EQ(table.substr(0, table.find('\n')),
-            "run,draw,controller.kp,planner.kind,controller.model.mass_scale,rms_error,max_error.joint2_shoulder_pitch,settling_time,complete,passed,last_step,reason");
+            "run,draw,controller.kp,planner.kind,controller.model.mass_scale,rms_error,max_error.joint2_"
+            "shoulder_pitch,settling_time,complete,passed,last_step,reason");
   EXPECT_EQ(lines("one"), 18u);
 
   // a stop that cut the file in the middle of a line: only what is missing is run again
@@ -177,7 +201,9 @@ TEST_F(SweepFile, RunsThatFailSayWhy) {
     negative += kd < 0;
     if (kd < 0) {
       EXPECT_EQ(row.state, Row::State::Unable);
-      EXPECT_TRUE(row.reason.starts_with("s.yaml:3: controller.kd: " + number(kd) + " is too small; give at least 0")) << row.reason;
+      EXPECT_TRUE(
+          row.reason.starts_with("s.yaml:3: controller.kd: " + number(kd) + " is too small; give at least 0"))
+          << row.reason;
     } else if (sweep.point_of(i)[0] == 1) {
       EXPECT_FALSE(row.complete);
       EXPECT_TRUE(row.metrics.empty());
@@ -197,7 +223,9 @@ TEST_F(SweepFile, RunsThatFailSayWhy) {
 }
 
 TEST_F(SweepFile, SmallestAndLargestAreThoseOfTheTable) {
-  const Sweep sweep = read("grid: {controller.kp: [10, 50, 100, 200], controller.kd: [5, 10]}\nmetrics: [rms_error, settling_time]\n");
+  const Sweep sweep = read(
+      "grid: {controller.kp: [10, 50, 100, 200], controller.kd: [5, 10]}\nmetrics: [rms_error, "
+      "settling_time]\n");
   const std::vector<Row> rows = run(sweep, 2, "results");
   const Extremes found = extremes(rows, 0);
   for (const Row& row : rows) {

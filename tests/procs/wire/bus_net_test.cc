@@ -335,7 +335,7 @@ TEST(OwnEndpoint, BatchingWakesOnceForMany) {
 
 TEST(OwnEndpoint, ASignalEndsTheWait) {
   const auto bus = open_bus(url(next_port()));
-  struct sigaction quiet {};
+  struct sigaction quiet{};
   quiet.sa_handler = [](int) {};
   sigaction(SIGALRM, &quiet, nullptr);
   const itimerval soon{{0, 0}, {0, 20'000}};

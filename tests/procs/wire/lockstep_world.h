@@ -45,7 +45,10 @@ struct ToySimulator {
     if (command) tau = command->tau;
     for (const Action& action : actions) v[0] += action.values.at(0);
     if (step > 0) v += 0.01 * tau, q += 0.01 * v;
-    Advance out{{step, 0.01 * static_cast<double>(step), q, v, step ? Eigen::Vector2d(tau) : Eigen::Vector2d::Zero()}, {}, ""};
+    Advance out{
+        {step, 0.01 * static_cast<double>(step), q, v, step ? Eigen::Vector2d(tau) : Eigen::Vector2d::Zero()},
+        {},
+        ""};
     if (step % 5 == 2) out.events.push_back({"tick", "toy", std::to_string(q[0])});
     return out;
   }
@@ -54,13 +57,16 @@ struct ToyPlanner {
   double offset = 0;
   Reference operator()(int64_t step, const PlanInput& input, std::vector<Event>& events) {
     for (const Action& action : input.actions) offset += action.values.at(0);
-    if (step % 11 == 3) events.push_back({"mark", "plan", std::to_string(offset)}), events.push_back({"mark", "again", ""});
-    return {step, Eigen::Vector2d(std::sin(0.03 * static_cast<double>(step)) + offset, offset), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+    if (step % 11 == 3)
+      events.push_back({"mark", "plan", std::to_string(offset)}), events.push_back({"mark", "again", ""});
+    return {step, Eigen::Vector2d(std::sin(0.03 * static_cast<double>(step)) + offset, offset),
+            Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   }
 };
 struct ToyController {
   double gain = 20, integral = 0;  // a state, so that a wrong fold shows
-  Command operator()(const RobotState& state, const Reference& reference, std::span<const Action> actions, std::vector<Event>& events) {
+  Command operator()(const RobotState& state, const Reference& reference, std::span<const Action> actions,
+                     std::vector<Event>& events) {
     for (const Action& action : actions) gain += action.values.at(0);
     const Eigen::Vector2d e = reference.q - state.q;
     integral += 0.01 * e[0];
@@ -110,7 +116,9 @@ class World {
     while (now_ < limit) {
       if (now_ >= next_mishap_) mishaps();
       deliver();
-      for (auto act = acts_.begin(); act != acts_.end() && act->first <= nodes_[kSimulator].role->step(); act = acts_.erase(act)) act->second();
+      for (auto act = acts_.begin(); act != acts_.end() && act->first <= nodes_[kSimulator].role->step();
+           act = acts_.erase(act))
+        act->second();
       for (const auto& name : names_) tend(name);
       const auto& simulator = nodes_[kSimulator];
       if (simulator.role->outcome().ended) return true;
@@ -144,7 +152,9 @@ class World {
     int32_t to_pid;
     Channel channel;
     Bytes bytes;
-    bool operator<(const Flying& other) const { return std::pair(due, order) > std::pair(other.due, other.order); }
+    bool operator<(const Flying& other) const {
+      return std::pair(due, order) > std::pair(other.due, other.order);
+    }
   };
 
   int64_t random(int64_t below) { return std::uniform_int_distribution<int64_t>(0, below - 1)(random_); }
@@ -155,8 +165,11 @@ class World {
     node.role.reset();
     node.pid = ++last_pid_;
     node.asleep_until = now_ + asleep, node.next_process = 0, node.said.clear();
-    const Publish publish = [this, name](Channel channel, std::span<const uint8_t> bytes) { send(name, channel, bytes); };
-    const ReadLog read_log = [this](int64_t, const std::function<void(Channel, std::span<const uint8_t>)>& visit) {
+    const Publish publish = [this, name](Channel channel, std::span<const uint8_t> bytes) {
+      send(name, channel, bytes);
+    };
+    const ReadLog read_log = [this](int64_t,
+                                    const std::function<void(Channel, std::span<const uint8_t>)>& visit) {
       for (const Logged& entry : std::vector<Logged>(log_.kept)) visit(entry.channel, entry.bytes);
     };
     const RunSetup setup = toy_setup(run_);
@@ -167,12 +180,15 @@ class World {
       config.last_step = setup.last_step, config.every = setup.every, config.lead = setup.lead;
       node.role = std::make_unique<Sequencer>(config, ToySimulator(), publish);
     } else if (name == kPlanner) {
-      node.role = std::make_unique<PlannerRole>(FollowerConfig{10'000'000, 10'000'000, read_log}, toy_setup, ToyPlanner(), publish);
+      node.role = std::make_unique<PlannerRole>(FollowerConfig{10'000'000, 10'000'000, read_log}, toy_setup,
+                                                ToyPlanner(), publish);
     } else if (name == kController) {
-      node.role = std::make_unique<ControllerRole>(FollowerConfig{10'000'000, 10'000'000, read_log}, toy_setup, ToyController(), publish);
+      node.role = std::make_unique<ControllerRole>(FollowerConfig{10'000'000, 10'000'000, read_log},
+                                                   toy_setup, ToyController(), publish);
     } else {
       node.sink = std::make_unique<MemorySink>(log_);
-      node.role = std::make_unique<Recorder>(RecorderConfig{}, toy_setup, [](int64_t) { return std::vector<Bytes>{}; }, *node.sink, publish);
+      node.role = std::make_unique<Recorder>(
+          RecorderConfig{}, toy_setup, [](int64_t) { return std::vector<Bytes>{}; }, *node.sink, publish);
     }
   }
 
@@ -182,7 +198,12 @@ class World {
       if (name == from) continue;
       for (int copies = 1 + chance(weather_.twice); copies > 0; --copies)
         if (!chance(weather_.loss))
-          flying_.push({now_ + 10 + random(weather_.longest_delay), ++order_, name, node.pid, channel, {bytes.begin(), bytes.end()}});
+          flying_.push({now_ + 10 + random(weather_.longest_delay),
+                        ++order_,
+                        name,
+                        node.pid,
+                        channel,
+                        {bytes.begin(), bytes.end()}});
     }
   }
 
@@ -209,10 +230,13 @@ class World {
       }
       Node& node = nodes_[message.to];
       if (node.pid != message.to_pid) continue;  // it died with its socket
-      if (node.asleep_until > now_) late.push_back(std::move(message));
-      else if (!node.role->outcome().ended) node.role->receive(message.channel, message.bytes, now_);
+      if (node.asleep_until > now_)
+        late.push_back(std::move(message));
+      else if (!node.role->outcome().ended)
+        node.role->receive(message.channel, message.bytes, now_);
     }
-    for (auto& message : late) message.due = nodes_[message.to].asleep_until, flying_.push(std::move(message));
+    for (auto& message : late)
+      message.due = nodes_[message.to].asleep_until, flying_.push(std::move(message));
   }
 
   void tend(const std::string& name) {
@@ -223,7 +247,8 @@ class World {
     node.said = node.role->state(), node.next_process = now_ + kRepeat;
     process_t process{};
     process.utime = now_, process.run = node.role->run(), process.step = node.role->step();
-    process.name = name, process.pid = node.pid, process.state = node.said, process.model_hash = node.role->model_hash();
+    process.name = name, process.pid = node.pid, process.state = node.said,
+    process.model_hash = node.role->model_hash();
     send(name, Channel::Process, encode(process));
   }
 

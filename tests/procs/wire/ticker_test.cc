@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
 #include <lab/ack_t.hpp>
 #include <lab/end_t.hpp>
 #include <lab/event_t.hpp>
@@ -30,14 +29,20 @@ struct World {
     config.dt = 1e-3, config.last_step = 100'000, config.wall_offset = 5'000'000;
     config.no_reset = no_reset;
     config.why_not = [](const Action& action) { return action.verb == "set" ? "" : "no such action"; };
-    ticker = std::make_unique<Ticker>(config, [this](int64_t step, const Command* command, std::span<const Action>) {
-      used.push_back(command ? command->state_step : -1);
-      const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1);
-      return Advance{{step, 0, zero, zero, zero}, {}, ""};
-    }, [this](Channel channel, std::span<const uint8_t> bytes) { sent.emplace_back(channel, Bytes(bytes.begin(), bytes.end())); });
+    ticker = std::make_unique<Ticker>(
+        config,
+        [this](int64_t step, const Command* command, std::span<const Action>) {
+          used.push_back(command ? command->state_step : -1);
+          const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1);
+          return Advance{{step, 0, zero, zero, zero}, {}, ""};
+        },
+        [this](Channel channel, std::span<const uint8_t> bytes) {
+          sent.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
+        });
     for (int pid = 1; const char* name : {kPlanner, kController, kLogger}) {
       process_t process{};
-      process.run = 77, process.name = name, process.pid = pid++, process.state = "READY", process.model_hash = 5, process.utime = 1;
+      process.run = 77, process.name = name, process.pid = pid++, process.state = "READY",
+      process.model_hash = 5, process.utime = 1;
       ticker->receive(Channel::Process, encode(process), now);
     }
   }
@@ -62,7 +67,9 @@ struct World {
     ADD_FAILURE() << "nothing on " << row(channel).name;
     return {};
   }
-  int64_t count(Channel channel) const { return std::count_if(sent.begin(), sent.end(), [&](const auto& m) { return m.first == channel; }); }
+  int64_t count(Channel channel) const {
+    return std::count_if(sent.begin(), sent.end(), [&](const auto& m) { return m.first == channel; });
+  }
 
   Micros now = 1'000'000;
   std::vector<std::pair<Channel, Bytes>> sent;
@@ -130,11 +137,14 @@ TEST(Ticker, RequestsAreExecutedOnceAndInputsCanBeAskedForAgain) {
   EXPECT_TRUE(w.request("set", 1, {1}).ok);  // repeated until answered
   EXPECT_EQ(w.count(Channel::Input), 1);
   EXPECT_FALSE(w.request("fly", 2).ok);
-  w.ticker->receive(Channel::Need, [] {
-    need_t need{};
-    need.step = -1, need.process = kSimulator, need.sender = kController;
-    return encode(need);
-  }(), w.now);
+  w.ticker->receive(
+      Channel::Need,
+      [] {
+        need_t need{};
+        need.step = -1, need.process = kSimulator, need.sender = kController;
+        return encode(need);
+      }(),
+      w.now);
   EXPECT_EQ(w.count(Channel::Input), 2);
   EXPECT_EQ(w.count(Channel::Run), 2);
 }

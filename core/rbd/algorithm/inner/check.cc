@@ -13,7 +13,7 @@ namespace {
 // The vectors of a model that users write themselves and the dynamics read.
 struct UserVector {
   const char* name;
-  Eigen::VectorXd Model::*vector;
+  Eigen::VectorXd Model::* vector;
 };
 constexpr UserVector kUserVectors[] = {{"model.armature", &Model::armature},
                                        {"model.rotorInertia", &Model::rotorInertia},
@@ -102,7 +102,8 @@ void failOrder(const char* function, const char* what) {
 void failOverflow(const char* function, const Model& model, const Eigen::VectorXd& result) {
   for (const UserVector& x : kUserVectors) {
     const Eigen::VectorXd& own = model.*x.vector;
-    if (!allFinite(own.data(), own.size())) failVector(function, x.name, own.data(), own.size(), model.nv, "nv", model);
+    if (!allFinite(own.data(), own.size()))
+      failVector(function, x.name, own.data(), own.size(), model.nv, "nv", model);
   }
   int at = 0;
   while (std::isfinite(result[at])) ++at;

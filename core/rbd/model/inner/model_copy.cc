@@ -6,16 +6,16 @@ namespace rbd::inner {
 namespace {
 
 // What a model says per entry of q, and per entry of v.
-constexpr Eigen::VectorXd Model::*kPerQ[] = {&Model::lowerPositionLimit, &Model::upperPositionLimit};
-constexpr Eigen::VectorXd Model::*kPerV[] = {&Model::lowerVelocityLimit,
-                                             &Model::upperVelocityLimit,
-                                             &Model::lowerEffortLimit,
-                                             &Model::upperEffortLimit,
-                                             &Model::armature,
-                                             &Model::rotorInertia,
-                                             &Model::rotorGearRatio,
-                                             &Model::damping,
-                                             &Model::friction};
+constexpr Eigen::VectorXd Model::* kPerQ[] = {&Model::lowerPositionLimit, &Model::upperPositionLimit};
+constexpr Eigen::VectorXd Model::* kPerV[] = {&Model::lowerVelocityLimit,
+                                              &Model::upperVelocityLimit,
+                                              &Model::lowerEffortLimit,
+                                              &Model::upperEffortLimit,
+                                              &Model::armature,
+                                              &Model::rotorInertia,
+                                              &Model::rotorGearRatio,
+                                              &Model::damping,
+                                              &Model::friction};
 
 // Users may write these vectors; a wrong size would be read beyond its end.
 void requireSizes(const char* function, const Model& model) {

@@ -7,7 +7,9 @@ namespace rbd::inner {
 constexpr double kTiny = 1e-4;
 
 // sin(t/2) / t
-inline double halfSineOverAngle(double t, double half_sine) { return t < kTiny ? 0.5 - t * t / 48 : half_sine / t; }
+inline double halfSineOverAngle(double t, double half_sine) {
+  return t < kTiny ? 0.5 - t * t / 48 : half_sine / t;
+}
 
 // (t - sin t) / t^3, which loses digits below about 0.1: its series there.
 inline double secondTerm(double t, double sine) {
