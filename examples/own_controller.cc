@@ -5,8 +5,8 @@
 //     processes: {controller: build/release/examples/own_controller}
 //
 // PID: an integral takes over what a PD leaves to its error, such as the weight of the arm, without knowing a model.
+#include "lab/run/shell.h"
 #include "procs/controller/role.h"
-#include "procs/run/shell.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/mesh.h"
+#include "render/mesh/mesh.h"
 
 namespace lab::render {
 

@@ -3,7 +3,7 @@
 
 #include <unordered_map>
 
-#include "render/clusters.h"
+#include "render/mesh/clusters.h"
 
 namespace lab::render {
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "render/mesh.h"
+#include "render/mesh/mesh.h"
 
 namespace lab::render {
 namespace {

@@ -18,7 +18,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "procs/experiment/experiment_yaml.h"
+#include "lab/experiment/experiment_yaml.h"
 #include "procs/renderer/robot_scene.h"
 #include "render/png.h"
 #include "render/renderer.h"

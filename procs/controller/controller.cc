@@ -5,9 +5,9 @@
 #include <exception>
 #include <limits>
 
+#include "lab/experiment/actions.h"
+#include "lab/experiment/joints.h"
 #include "procs/controller/own_model.h"
-#include "procs/experiment/actions.h"
-#include "procs/experiment/joints.h"
 
 namespace lab::controller {
 namespace {

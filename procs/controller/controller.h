@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "procs/experiment/experiment.h"
-#include "procs/signals/signals.h"
+#include "lab/experiment/experiment.h"
+#include "lab/signals/signals.h"
 
 /// Joint effort from what is and what is wanted: a pure function of config, state and input.
 /// A new controller is one function and one row of a table (laws.cc, or one's own: docs/extend.md). It knows its own
@@ -33,7 +33,7 @@ struct Kind {
 /// none, pd, pd_gravity, computed_torque, cartesian_impedance, com_velocity.
 std::span<const Kind> kinds();
 
-/// What `set controller KEY=..` can change while it runs; procs/experiment/actions.h has their keys.
+/// What `set controller KEY=..` can change while it runs; lab/experiment/actions.h has their keys.
 struct Gains {
   Eigen::VectorXd kp, kd;                    ///< nv
   std::array<double, 2> stiffness, damping;  ///< of a frame: angular, linear

@@ -10,8 +10,8 @@
 #include <Eigen/Eigenvalues>
 #include <exception>
 
+#include "lab/experiment/joints.h"
 #include "procs/controller/controller.h"
-#include "procs/experiment/joints.h"
 
 namespace lab::controller {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <rbd/model/model.h>
 
-#include "procs/experiment/experiment.h"
+#include "lab/experiment/experiment.h"
 
 /// What the controller believes of the robot: the nominal model with the errors of `controller.model`. Its joints,
 /// frames, limits and rotors stay right; only bodies are wrong.

@@ -2,8 +2,8 @@
 
 #include <optional>
 
+#include "lab/run/run.h"
 #include "procs/controller/controller.h"
-#include "procs/run/run.h"
 
 namespace lab::controller {
 

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "procs/controller/controller.h"
-#include "procs/wire/follower.h"
+#include "wire/protocol/follower.h"
 
 namespace lab::controller {
 

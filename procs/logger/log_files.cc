@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "procs/wire/guard.h"
-#include "procs/wire/log_reader.h"
-#include "procs/wire/participant.h"
+#include "wire/log/log_reader.h"
+#include "wire/process/participant.h"
+#include "wire/schema/guard.h"
 
 namespace lab::logger {
 namespace {

@@ -2,8 +2,8 @@
 #include <memory>
 #include <string>
 
-#include "procs/wire/log_writer.h"
-#include "procs/wire/recorder.h"
+#include "wire/log/log_writer.h"
+#include "wire/protocol/recorder.h"
 
 namespace lab::logger {
 

@@ -1,10 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "procs/experiment/experiment_yaml.h"
+#include "lab/experiment/experiment_yaml.h"
+#include "lab/run/shell.h"
 #include "procs/logger/log_files.h"
 #include "procs/logger/role.h"
-#include "procs/run/shell.h"
 
 int main(int argc, char** argv) {
   CLI::App app{

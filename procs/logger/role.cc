@@ -1,6 +1,6 @@
 #include "procs/logger/role.h"
 
-#include "procs/run/run.h"
+#include "lab/run/run.h"
 
 namespace lab::logger {
 

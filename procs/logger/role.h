@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "procs/wire/recorder.h"
+#include "wire/protocol/recorder.h"
 
 namespace lab::logger {
 

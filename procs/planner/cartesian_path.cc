@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 
-#include "procs/experiment/cartesian.h"
-#include "procs/experiment/joints.h"
+#include "lab/experiment/cartesian.h"
+#include "lab/experiment/joints.h"
 
 namespace lab::planner {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "procs/experiment/joints.h"
+#include "lab/experiment/joints.h"
 #include "procs/planner/cartesian_path.h"
 #include "procs/planner/waypoints.h"
 

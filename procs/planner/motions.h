@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "procs/experiment/experiment.h"
+#include "lab/experiment/experiment.h"
+#include "lab/signals/signals.h"
 #include "procs/planner/spline.h"
-#include "procs/signals/signals.h"
 
 /// The motions that an experiment can ask for, each a law of its own time. A new kind is two functions and one line in
 /// kinds().

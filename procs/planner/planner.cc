@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "procs/experiment/actions.h"
-#include "procs/experiment/cartesian.h"
+#include "lab/experiment/actions.h"
+#include "lab/experiment/cartesian.h"
 
 namespace lab::planner {
 namespace {

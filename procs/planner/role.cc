@@ -1,7 +1,7 @@
 #include "procs/planner/role.h"
 
+#include "lab/run/run.h"
 #include "procs/planner/planner.h"
-#include "procs/run/run.h"
 
 namespace lab::planner {
 

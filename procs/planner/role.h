@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "procs/wire/follower.h"
+#include "wire/protocol/follower.h"
 
 namespace lab::planner {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "procs/experiment/joints.h"
+#include "lab/experiment/joints.h"
 
 namespace lab::planner {
 namespace {

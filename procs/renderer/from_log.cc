@@ -6,13 +6,13 @@
 #include <cmath>
 #include <filesystem>
 
-#include "procs/experiment/experiment_yaml.h"
+#include "lab/experiment/experiment_yaml.h"
 #include "procs/renderer/frames.h"
 #include "procs/renderer/logged.h"
 #include "procs/renderer/progress.h"
 #include "procs/renderer/video.h"
 #include "procs/renderer/workers.h"
-#include "procs/wire/role.h"
+#include "wire/protocol/role.h"
 
 namespace lab::renderer {
 namespace {

@@ -6,12 +6,12 @@
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 
-#include "procs/wire/codec.h"
-#include "procs/wire/convert.h"
-#include "procs/wire/guard.h"
-#include "procs/wire/log_reader.h"
-#include "procs/wire/log_writer.h"
-#include "procs/wire/step_record.h"
+#include "wire/log/log_reader.h"
+#include "wire/log/log_writer.h"
+#include "wire/protocol/convert.h"
+#include "wire/protocol/step_record.h"
+#include "wire/schema/codec.h"
+#include "wire/schema/guard.h"
 
 namespace lab::renderer {
 namespace {

@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "procs/experiment/experiment_yaml.h"
+#include "lab/experiment/experiment_yaml.h"
+#include "lab/run/shell.h"
 #include "procs/renderer/from_log.h"
 #include "procs/renderer/role.h"
-#include "procs/run/shell.h"
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "procs/experiment/robot.h"
-#include "render/mesh_cache.h"
+#include "lab/experiment/robot.h"
+#include "render/mesh/mesh_cache.h"
 #include "render/scene.h"
 
 namespace lab::renderer {

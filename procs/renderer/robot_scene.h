@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "procs/experiment/robot.h"
+#include "lab/experiment/robot.h"
 #include "render/scene.h"
 
 namespace lab::renderer {

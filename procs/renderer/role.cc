@@ -11,14 +11,14 @@
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
 
-#include "procs/experiment/experiment_yaml.h"
-#include "procs/wire/codec.h"
-#include "procs/wire/convert.h"
-#include "procs/wire/guard.h"
-#include "procs/wire/log_writer.h"
-#include "procs/wire/participant.h"
-#include "procs/wire/step_record.h"
+#include "lab/experiment/experiment_yaml.h"
 #include "render/png.h"
+#include "wire/log/log_writer.h"
+#include "wire/process/participant.h"
+#include "wire/protocol/convert.h"
+#include "wire/protocol/step_record.h"
+#include "wire/schema/codec.h"
+#include "wire/schema/guard.h"
 
 namespace lab::renderer {
 

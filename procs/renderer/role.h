@@ -8,8 +8,8 @@
 
 #include "procs/renderer/frames.h"
 #include "procs/renderer/painter.h"
-#include "procs/wire/log_reader.h"
-#include "procs/wire/role.h"
+#include "wire/log/log_reader.h"
+#include "wire/protocol/role.h"
 
 namespace lab::renderer {
 

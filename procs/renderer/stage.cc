@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "procs/experiment/check.h"
-#include "procs/experiment/joints.h"
+#include "lab/check/check.h"
+#include "lab/experiment/joints.h"
 #include "procs/renderer/robot_scene.h"
 #include "render/markers.h"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "procs/experiment/experiment.h"
-#include "procs/experiment/robot.h"
+#include "lab/experiment/experiment.h"
+#include "lab/experiment/robot.h"
 #include "render/camera.h"
 #include "render/image.h"
 #include "render/scene.h"

@@ -11,13 +11,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "procs/run/run.h"
-#include "procs/run/shell.h"
+#include "lab/run/run.h"
+#include "lab/run/shell.h"
 #include "procs/send/send.h"
-#include "procs/wire/bus.h"
-#include "procs/wire/codec.h"
-#include "procs/wire/convert.h"
-#include "procs/wire/participant.h"
+#include "wire/bus/bus.h"
+#include "wire/process/participant.h"
+#include "wire/protocol/convert.h"
+#include "wire/schema/codec.h"
 
 namespace lab::send {
 namespace {

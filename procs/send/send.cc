@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "procs/experiment/experiment.h"
+#include "lab/experiment/experiment.h"
 
 namespace lab::send {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "procs/signals/signals.h"
+#include "lab/signals/signals.h"
 
 /// What a person types, as an action; and what came of it, in words.
 namespace lab::send {

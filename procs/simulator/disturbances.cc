@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "procs/experiment/actions.h"
-#include "procs/experiment/joints.h"
+#include "lab/experiment/actions.h"
+#include "lab/experiment/joints.h"
 
 namespace lab::simulator {
 namespace {

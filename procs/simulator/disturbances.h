@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "procs/experiment/experiment.h"
-#include "procs/signals/signals.h"
+#include "lab/experiment/experiment.h"
+#include "lab/signals/signals.h"
 
 /// What acts on the simulated robot besides its motors, and what its controller does not know: pushes, payloads, and
 /// the soft stops before the ends of its joints.

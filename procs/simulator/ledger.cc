@@ -6,8 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "procs/experiment/actions.h"
-#include "procs/experiment/joints.h"
+#include "lab/experiment/actions.h"
+#include "lab/experiment/joints.h"
 
 namespace lab::simulator {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "procs/experiment/experiment_yaml.h"
-#include "procs/run/shell.h"
+#include "lab/experiment/experiment_yaml.h"
+#include "lab/run/shell.h"
 #include "procs/simulator/role.h"
-#include "procs/wire/lateness.h"
+#include "wire/protocol/lateness.h"
 
 int main(int argc, char** argv) {
   CLI::App app{

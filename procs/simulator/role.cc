@@ -1,12 +1,12 @@
 #include "procs/simulator/role.h"
 
-#include "procs/experiment/actions.h"
-#include "procs/run/run.h"
+#include "lab/experiment/actions.h"
+#include "lab/run/run.h"
 #include "procs/simulator/simulator.h"
-#include "procs/wire/codec.h"
-#include "procs/wire/participant.h"
-#include "procs/wire/sequencer.h"
-#include "procs/wire/ticker.h"
+#include "wire/process/participant.h"
+#include "wire/protocol/sequencer.h"
+#include "wire/protocol/ticker.h"
+#include "wire/schema/codec.h"
 
 namespace lab::simulator {
 

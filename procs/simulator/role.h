@@ -1,9 +1,9 @@
 #pragma once
 #include <memory>
 
-#include "procs/experiment/experiment.h"
-#include "procs/experiment/robot.h"
-#include "procs/wire/leader.h"
+#include "lab/experiment/experiment.h"
+#include "lab/experiment/robot.h"
+#include "wire/protocol/leader.h"
 
 namespace lab::simulator {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "procs/signals/signals.h"
+#include "lab/signals/signals.h"
 
 /// Whether the robot may follow its controller: a state machine over steps, without clock. docs/safety.md has its
 /// table. What holding means for the joints is the simulator's business.

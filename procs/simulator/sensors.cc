@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "procs/experiment/joints.h"
+#include "lab/experiment/joints.h"
 #include "procs/simulator/noise.h"
 
 namespace lab::simulator {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "procs/experiment/experiment.h"
-#include "procs/signals/signals.h"
+#include "lab/experiment/experiment.h"
+#include "lab/signals/signals.h"
 
 /// What ROBOT_STATE says of the true state: q and v of some steps ago, with noise.
 namespace lab::simulator {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <exception>
 
-#include "procs/experiment/actions.h"
-#include "procs/experiment/joints.h"
+#include "lab/experiment/actions.h"
+#include "lab/experiment/joints.h"
 
 namespace lab::simulator {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "procs/experiment/experiment.h"
-#include "procs/signals/signals.h"
+#include "lab/experiment/experiment.h"
+#include "lab/signals/signals.h"
 #include "procs/simulator/disturbances.h"
 #include "procs/simulator/safety.h"
 #include "procs/simulator/sensors.h"

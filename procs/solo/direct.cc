@@ -7,7 +7,7 @@
 #include "procs/controller/controller.h"
 #include "procs/planner/planner.h"
 #include "procs/simulator/ledger.h"
-#include "procs/wire/convert.h"
+#include "wire/protocol/convert.h"
 
 namespace lab::solo {
 namespace {

@@ -2,8 +2,8 @@
 #include <functional>
 #include <optional>
 
-#include "procs/experiment/evaluate.h"
-#include "procs/experiment/robot.h"
+#include "lab/evaluation/evaluate.h"
+#include "lab/experiment/robot.h"
 
 namespace lab::solo {
 

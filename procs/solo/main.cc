@@ -2,11 +2,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include "procs/experiment/experiment_yaml.h"
+#include "core/util/interrupt.h"
+#include "lab/experiment/experiment_yaml.h"
+#include "lab/run/shell.h"
 #include "procs/logger/log_files.h"
-#include "procs/run/shell.h"
 #include "procs/solo/solo.h"
-#include "procs/wire/interrupt.h"
 
 int main(int argc, char** argv) {
   CLI::App app{

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "procs/wire/role.h"
+#include "wire/protocol/role.h"
 
 namespace lab::solo {
 

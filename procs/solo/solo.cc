@@ -8,7 +8,7 @@
 #include "procs/planner/role.h"
 #include "procs/simulator/role.h"
 #include "procs/solo/memory_bus.h"
-#include "procs/wire/codec.h"
+#include "wire/schema/codec.h"
 
 namespace lab::solo {
 namespace {

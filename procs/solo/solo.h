@@ -1,10 +1,10 @@
 #pragma once
 #include <functional>
 
-#include "procs/experiment/experiment.h"
-#include "procs/experiment/robot.h"
-#include "procs/wire/recorder.h"
-#include "procs/wire/role.h"
+#include "lab/experiment/experiment.h"
+#include "lab/experiment/robot.h"
+#include "wire/protocol/recorder.h"
+#include "wire/protocol/role.h"
 
 namespace lab::solo {
 

@@ -10,12 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "procs/run/shell.h"
+#include "core/util/interrupt.h"
+#include "lab/run/shell.h"
 #include "procs/spy/types.h"
-#include "procs/wire/bus.h"
-#include "procs/wire/codec.h"
-#include "procs/wire/interrupt.h"
-#include "procs/wire/participant.h"
+#include "wire/bus/bus.h"
+#include "wire/process/participant.h"
+#include "wire/schema/codec.h"
 
 namespace lab::spy {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "lcmtypes/texts.h"
-#include "procs/wire/channels.h"
+#include "wire/schema/channels.h"
 
 namespace lab::spy {
 

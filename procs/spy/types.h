@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "procs/wire/schema.h"
+#include "wire/schema/schema.h"
 
 namespace lab::spy {
 

@@ -15,8 +15,8 @@
 #include <lab/run_t.hpp>
 #include <lab/type_t.hpp>
 
-#include "procs/wire/codec.h"
 #include "tests/fuzz/fuzz.h"
+#include "wire/schema/codec.h"
 
 namespace lab::fuzz {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "procs/wire/log_reader.h"
 #include "tests/fuzz/fuzz.h"
+#include "wire/log/log_reader.h"
 
 namespace lab::fuzz {
 namespace {

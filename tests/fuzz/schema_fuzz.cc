@@ -4,8 +4,8 @@
 #include <string>
 
 #include "lcmtypes/texts.h"
-#include "procs/wire/schema.h"
 #include "tests/fuzz/fuzz.h"
+#include "wire/schema/schema.h"
 
 namespace lab::fuzz {
 

@@ -11,8 +11,8 @@
 #include <limits>
 #include <string>
 
-#include "procs/wire/bus.h"
-#include "procs/wire/participant.h"
+#include "wire/bus/bus.h"
+#include "wire/process/participant.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 
 #include "procs/controller/controller.h"
 #include "procs/simulator/simulator.h"
-#include "tests/procs/refusal.h"
+#include "tests/support/refusal.h"
 
 namespace lab::controller {
 namespace {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
+#include "lab/experiment/robot.h"
 #include "procs/controller/controller.h"
-#include "procs/experiment/robot.h"
-#include "tests/procs/refusal.h"
+#include "tests/support/refusal.h"
 
 namespace lab::controller {
 namespace {

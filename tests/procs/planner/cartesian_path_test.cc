@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "procs/planner/planner.h"
-#include "tests/procs/refusal.h"
+#include "tests/support/refusal.h"
 
 namespace lab::planner {
 namespace {

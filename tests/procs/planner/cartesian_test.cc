@@ -1,10 +1,10 @@
 // Goals for a frame: what the door lets in the planner reaches, by forward kinematics; both refuse the same rest.
-#include "procs/experiment/cartesian.h"
+#include "lab/experiment/cartesian.h"
 
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
-#include "procs/experiment/actions.h"
+#include "lab/experiment/actions.h"
 #include "procs/planner/planner.h"
 
 namespace lab::planner {

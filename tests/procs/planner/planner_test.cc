@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "tests/procs/refusal.h"
+#include "tests/support/refusal.h"
 
 namespace lab::planner {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <rbd/algorithm/configuration.h>
 
-#include "procs/experiment/experiment_yaml.h"
+#include "lab/experiment/experiment_yaml.h"
 #include "procs/renderer/stage.h"
 
 /// A motion of the sample arm, known in closed form, for tests of its pictures.

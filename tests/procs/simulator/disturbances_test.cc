@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "procs/simulator/ledger.h"
-#include "tests/procs/refusal.h"
+#include "tests/support/refusal.h"
 
 namespace lab::simulator {
 namespace {

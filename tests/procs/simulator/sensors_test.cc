@@ -10,7 +10,7 @@
 
 #include "procs/simulator/noise.h"
 #include "procs/simulator/simulator.h"
-#include "tests/procs/refusal.h"
+#include "tests/support/refusal.h"
 
 namespace lab::simulator {
 namespace {

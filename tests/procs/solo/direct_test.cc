@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "procs/experiment/experiment_yaml.h"
-#include "procs/experiment/read_run.h"
+#include "lab/evaluation/read_run.h"
+#include "lab/experiment/experiment_yaml.h"
 #include "procs/logger/log_files.h"
 #include "procs/solo/solo.h"
 

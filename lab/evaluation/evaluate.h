@@ -1,0 +1,39 @@
+#pragma once
+#include <rbd/model/model.h>
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "lab/evaluation/metrics.h"
+#include "lab/experiment/experiment.h"
+#include "lab/signals/signals.h"
+
+/// What a run was worth, from its logged steps alone: metrics.json.
+namespace lab {
+
+struct Run {
+  rbd::Model model;                   ///< as simulated
+  double dt = 0;                      ///< s
+  Eigen::VectorXd damping, friction;  ///< nv, of the simulator
+  std::vector<RobotState> states;     ///< by step, step 0 first: the true ones
+  std::vector<Reference> references;  ///< for the same steps
+  std::vector<double> stored,
+      given;  ///< J, by state, empty = none: energy beside the model's own; work over the step that led here
+  int64_t last_step = 0;  ///< that the experiment wanted
+  bool aborted = false;
+  std::string reason;  ///< of the abort
+  double band = 0.01;  ///< rad, m: within this error a joint counts as settled
+  std::string tool;    ///< frame whose errors are judged; empty = the last link
+};
+
+/// A run of the experiment that has no step yet.
+Run begin_run(const Experiment&, const rbd::Model&);
+
+/// All metrics; "joints": the same per joint; "reaches": one by one; "verdicts" of `expect`, and "passed": every
+/// verdict holds and the run reached its last step. A metric that has no value is null (and fails its verdict);
+/// nothing is ever NaN. Errors are difference(q, q_ref) of the joints with one degree of freedom.
+nlohmann::json evaluate(const Run&, const std::map<std::string, Bound>& expect);
+
+}  // namespace lab

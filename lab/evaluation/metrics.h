@@ -1,0 +1,37 @@
+#pragma once
+#include <rbd/model/model.h>
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "lab/experiment/experiment.h"
+
+/// The numbers of metrics.json that `expect` can bound. docs/metrics.md has a formula for each.
+namespace lab {
+
+/// Which way a metric is better.
+enum class Better { Less, More, Neither };
+
+struct Metric {
+  const char* name;
+  const char* unit;
+  const char* what;
+  bool per_joint;  ///< also per joint: "max_error.elbow"
+  Better better = Better::Less;
+};
+const std::vector<Metric>& metrics();
+
+/// Refuses (ExperimentError) an expected metric or joint that does not exist.
+void check_expect(const Experiment&, const rbd::Model&);
+/// The same for the tool's frame.
+void check_evaluation(const Experiment&, const rbd::Model&);
+
+/// The value of "max_error" or "max_error.elbow" in finished metrics; null if it has none.
+nlohmann::json value_of(const nlohmann::json& metrics, const std::string& name);
+
+/// One per bound: metric, value, min, max, ok. A metric without a value fails.
+nlohmann::json verdicts(const nlohmann::json& metrics, const std::map<std::string, Bound>& expect);
+
+}  // namespace lab

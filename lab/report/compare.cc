@@ -1,0 +1,226 @@
+#include "lab/report/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+#include <stdexcept>
+
+#include "lab/evaluation/tracking.h"
+#include "lab/experiment/experiment_yaml.h"
+#include "lab/report/html.h"
+
+namespace lab::report {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> names_of(const std::vector<Folder>& runs) {
+  std::vector<std::string> names;
+  for (const Folder& run : runs) {
+    std::string name = run.name;
+    for (int n = 2; std::find(names.begin(), names.end(), name) != names.end(); ++n)
+      name = run.name + " (" + std::to_string(n) + ")";
+    names.push_back(name);
+  }
+  return names;
+}
+
+void find_joints(const std::vector<Folder>& runs, Comparison& out) {
+  for (const Folder& run : runs) {
+    std::vector<std::string> own;
+    for (const JointFigures& joint : joints_of(run.logged->run.model)) own.push_back(joint.name);
+    if (&run == &runs.front()) {
+      out.joints = own;
+      continue;
+    }
+    if (own != out.joints) out.same_joints = false;
+    std::erase_if(out.joints, [&](const std::string& name) {
+      return std::find(own.begin(), own.end(), name) == own.end();
+    });
+  }
+  if (out.same_joints) return;
+  std::string note = "The robots differ (";
+  for (size_t i = 0; i < runs.size(); ++i)
+    note += (i ? ", " : "") + out.names[i] + ": " + runs[i].logged->robot.model.name;
+  out.notes.push_back(note + "), so figures over all joints say nothing: compared are the tool and " +
+                      (out.joints.empty() ? "nothing else, for no joint has the same name in all of them."
+                                          : "the joints that have the same name in all of them: " +
+                                                list_of(out.joints) + "."));
+}
+
+void find_keys(const std::vector<Folder>& runs, Comparison& out) {
+  for (size_t i = 0; i < runs.size(); ++i) {
+    if (!runs[i].experiment) continue;
+    const auto all = key_values(*runs[i].experiment);
+    out.keys.resize(all.size());
+    for (size_t k = 0; k < all.size(); ++k) {
+      out.keys[k].name = all[k].first;
+      out.keys[k].values.resize(runs.size());
+      out.keys[k].values[i] = all[k].second;
+    }
+  }
+  std::erase_if(out.keys, [](const Comparison::Key& key) {
+    return key.name == "name" || key.name == "expect" ||
+           std::all_of(key.values.begin(), key.values.end(),
+                       [&](const std::string& value) { return value == key.values.front(); });
+  });
+  for (Comparison::Key& key : out.keys) {  // of a path, the name is enough if it is another
+    std::set<std::string> names;
+    for (const std::string& value : key.values) names.insert(value.substr(value.rfind('/') + 1));
+    if (key.name == "robot.model" && names.size() == key.values.size())
+      for (std::string& value : key.values) value.erase(0, value.rfind('/') + 1);
+  }
+}
+
+void find_rows(const std::vector<Folder>& runs, Comparison& out) {
+  const auto add = [&](const std::string& name, const Metric& metric) {
+    Comparison::Row row{name, metric.unit, metric.better, {}};
+    for (const Folder& run : runs) {
+      const json value = value_of(run.metrics, name);
+      row.values.push_back(value.is_number() ? value.get<double>() : NAN);
+    }
+    if (std::any_of(row.values.begin(), row.values.end(), [](double value) { return std::isfinite(value); }))
+      out.rows.push_back(std::move(row));
+  };
+  for (const Metric& metric : metrics()) {
+    const std::string name = metric.name;
+    if (out.same_joints || name.find("_tool_") != std::string::npos) add(name, metric);
+  }
+  for (const Metric& metric : metrics())
+    if (metric.per_joint && (!out.same_joints || std::string(metric.name) == "max_error" ||
+                             std::string(metric.name) == "rms_error"))
+      for (const std::string& joint : out.joints) add(std::string(metric.name) + "." + joint, metric);
+}
+
+/// Cells in columns: the first to the left, the others to the right.
+std::string columns(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<size_t> width;
+  const auto letters = [](const std::string& text) {  // of UTF-8
+    return static_cast<size_t>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  };
+  for (const auto& row : rows) {
+    width.resize(std::max(width.size(), row.size()));
+    for (size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], letters(row[i]));
+  }
+  std::string out;
+  for (const auto& row : rows) {
+    std::string line;
+    for (size_t i = 0; i < row.size(); ++i) {
+      const std::string room(width[i] - letters(row[i]), ' ');
+      line += (i ? "  " : "") + (i ? room + row[i] : row[i] + room);
+    }
+    while (line.ends_with(' ')) line.pop_back();
+    out += line + "\n";
+  }
+  return out;
+}
+
+std::string plain(double value) {
+  char text[32];
+  snprintf(text, sizeof text, "%.4g", value);
+  return std::isfinite(value) ? text : "-";
+}
+
+/// Three digits; no powers of ten.
+std::string count(double times) {
+  if (times > 1e6) return "over a million";
+  if (times < 1000) return figure(times, 3);
+  const double unit = std::pow(10, std::floor(std::log10(times)) - 2);
+  return std::to_string(std::llround(std::round(times / unit) * unit));
+}
+
+}  // namespace
+
+Gain gain(Better better, double first, double other) {
+  if (better == Better::Neither || !std::isfinite(first) || !std::isfinite(other)) return {NAN, NAN};
+  if (better == Better::More)
+    return {first == 0 ? NAN : 100 * (other - first) / std::abs(first),
+            first > 0 && other > 0 ? other / first : NAN};
+  return {first == 0 ? NAN : 100 * (first - other) / std::abs(first),
+          first > 0 && other > 0 ? first / other : NAN};
+}
+
+std::string in_words(Better better, double first, double other) {
+  if (first == other && better != Better::Neither) return "same";
+  const auto [percent, times] = gain(better, first, other);
+  if (std::isnan(percent)) return "–";
+  const double size = std::abs(percent);
+  std::string out = size > 99.99 && size < 100 ? "> 99.99 %" : figure(size, size >= 99.9 ? 4 : 3) + " %";
+  if (times >= 1.5) out += ", " + count(times) + " times";
+  if (times <= 1 / 1.5) out = count(1 / times) + " times";
+  return out + (percent > 0 ? " better" : " worse");
+}
+
+Comparison compare(const std::vector<Folder>& runs) {
+  Comparison out;
+  out.names = names_of(runs);
+  for (size_t i = 0; i < runs.size(); ++i)
+    if (!runs[i].logged || runs[i].logged->run.states.empty())
+      throw std::runtime_error(out.names[i] + ": has nothing to compare (" +
+                               (runs[i].logged ? "no whole step in its log" : runs[i].no_log) + ")");
+  for (size_t i = 0; i < runs.size(); ++i)
+    if (!runs[i].metrics["complete"].get<bool>())
+      out.notes.push_back(out.names[i] + " ended early, at step " + runs[i].metrics["last_step"].dump() +
+                          " of " + runs[i].metrics["wanted_last_step"].dump() +
+                          ": its figures are of what it did until then.");
+  for (size_t i = 1; i < runs.size(); ++i)
+    if (runs[i].metrics["band"] != runs[0].metrics["band"])
+      out.notes.push_back(out.names[i] + " was judged by another band (" + runs[i].metrics["band"].dump() +
+                          ", not " + runs[0].metrics["band"].dump() +
+                          "): settling times differ for that alone.");
+  find_joints(runs, out);
+  find_keys(runs, out);
+  find_rows(runs, out);
+  return out;
+}
+
+std::string compare_text(const Comparison& all) {
+  std::vector<std::vector<std::string>> rows{{"experiment"}};
+  rows[0].insert(rows[0].end(), all.names.begin(), all.names.end());
+  for (const Comparison::Key& key : all.keys) {
+    std::vector<std::string> row{key.name};
+    for (const std::string& value : key.values) row.push_back(value.empty() ? "-" : value);
+    rows.push_back(row);
+  }
+  std::string out = all.keys.empty() ? "The experiments are the same.\n" : columns(rows);
+  rows = {{"metric", "unit", all.names[0]}};
+  for (size_t i = 1; i < all.names.size(); ++i) rows[0].push_back(all.names[i]), rows[0].push_back("");
+  for (const Comparison::Row& one : all.rows) {
+    std::vector<std::string> row{one.name, one.unit, plain(one.values[0])};
+    for (size_t i = 1; i < one.values.size(); ++i)
+      row.push_back(plain(one.values[i])), row.push_back(in_words(one.better, one.values[0], one.values[i]));
+    rows.push_back(row);
+  }
+  out += "\n" + columns(rows);
+  for (const std::string& note : all.notes) out += "\n" + note + "\n";
+  return out;
+}
+
+json compare_json(const Comparison& all) {
+  const auto or_null = [](double value) { return std::isfinite(value) ? json(value) : json(nullptr); };
+  json out{{"runs", all.names},
+           {"notes", all.notes},
+           {"joints", all.joints},
+           {"keys", json::array()},
+           {"metrics", json::array()}};
+  for (const Comparison::Key& key : all.keys)
+    out["keys"].push_back({{"key", key.name}, {"values", key.values}});
+  for (const Comparison::Row& row : all.rows) {
+    json one{{"metric", row.name},
+             {"unit", row.unit},
+             {"values", json::array()},
+             {"improvement_percent", json::array()},
+             {"times_better", json::array()}};
+    for (double value : row.values) {
+      const auto [percent, times] = gain(row.better, row.values[0], value);
+      one["values"].push_back(or_null(value)), one["improvement_percent"].push_back(or_null(percent)),
+          one["times_better"].push_back(or_null(times));
+    }
+    out["metrics"].push_back(one);
+  }
+  return out;
+}
+
+}  // namespace lab::report

@@ -1,0 +1,50 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "lab/evaluation/metrics.h"
+#include "lab/report/report.h"
+
+/// Runs side by side: what is different in their experiments, and what came of it. The first is what the others are
+/// measured by.
+namespace lab::report {
+
+/// How much better than the first.
+struct Gain {
+  double percent;  ///< 100: as good as perfect; below 0: worse; NaN if that has no meaning
+  double times;    ///< 2: twice as good; 0.5: half as good; NaN
+};
+Gain gain(Better, double first, double other);
+
+/// "99.9 %, 720 times better", "12 % worse", "same", "–"
+std::string in_words(Better, double first, double other);
+
+struct Comparison {
+  std::vector<std::string> names;  ///< of the runs, all different
+  std::vector<std::string> notes;  ///< what could not be compared, and why
+  bool same_joints = true;
+  std::vector<std::string> joints;  ///< that all runs have
+
+  struct Key {
+    std::string name;
+    std::vector<std::string> values;  ///< by run; empty = not given
+  };
+  std::vector<Key> keys;  ///< those that differ
+
+  struct Row {
+    std::string name, unit;  ///< "max_error", or "max_error.elbow"
+    Better better;
+    std::vector<double> values;  ///< by run; NaN: has none
+  };
+  std::vector<Row> rows;  ///< of metrics that at least one run has
+};
+
+/// Throws std::runtime_error when a run has nothing to compare.
+Comparison compare(const std::vector<Folder>&);
+
+std::string compare_text(const Comparison&);
+nlohmann::json compare_json(const Comparison&);
+Page compare_page(const Comparison&, const std::vector<Folder>&);
+
+}  // namespace lab::report

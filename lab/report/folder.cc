@@ -1,0 +1,172 @@
+#include "lab/report/folder.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <lab/event_t.hpp>
+#include <lab/input_t.hpp>
+#include <lab/process_t.hpp>
+#include <map>
+#include <stdexcept>
+
+#include "lab/experiment/experiment_yaml.h"
+#include "wire/log/log_reader.h"
+#include "wire/protocol/loop_bins.h"
+#include "wire/schema/codec.h"
+#include "wire/schema/guard.h"
+
+namespace lab::report {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr size_t kPictureBytes = 1'200'000;  // of all pictures on a page
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Calls f(channel, data) for every message of the log that the guard accepts.
+template <class F>
+void each_message(const std::string& log, F&& f) {
+  Guard guard;
+  LogReader reader(log);
+  for (LogEvent event; reader.next(event);)
+    if (const auto channel = channel_of(event.channel); channel && guard.check(*channel, event.data))
+      f(*channel, event.data);
+}
+
+std::string numbers(const std::vector<double>& values) {
+  std::string text;
+  for (double value : values) text += (text.empty() ? "" : ", ") + number(value);
+  return text;
+}
+
+std::vector<Note> read_notes(const std::string& log, double dt) {
+  std::vector<Note> notes;
+  each_message(log, [&](Channel channel, std::span<const uint8_t> data) {
+    if (channel == Channel::Event) {
+      const auto event = decode<event_t>(data);
+      notes.push_back(
+          {static_cast<double>(event.step) * dt, event.process, event.what, event.who, event.why});
+    } else if (channel == Channel::Input) {
+      const auto input = decode<input_t>(data);
+      const action_t& action = input.action;
+      std::string why = action.key + (action.key.empty() ? "" : " ") + action.text + numbers(action.values);
+      notes.push_back({static_cast<double>(input.step) * dt, input.sender, action.verb, action.target, why});
+    }
+  });
+  return notes;
+}
+
+std::vector<Loops> read_loops(const std::string& telemetry) {
+  std::map<std::string, std::map<int32_t, process_t>> newest;  // by name and pid
+  each_message(telemetry, [&](Channel channel, std::span<const uint8_t> data) {
+    if (channel != Channel::Process) return;
+    auto message = decode<process_t>(data);
+    newest[message.name][message.pid] = message;
+  });
+  std::vector<Loops> all;
+  for (const auto& [name, starts] : newest) {
+    Loops loops;
+    loops.process = name;
+    loops.counts.resize(kLoopBins);
+    for (const auto& [pid, last] : starts) {
+      for (size_t i = 0; i < last.loops.size() && i < loops.counts.size(); ++i)
+        loops.counts[i] += last.loops[i];
+      loops.overruns += last.overruns;
+      loops.late_p50 = last.lateness_p50, loops.late_p99 = last.lateness_p99,
+      loops.late_max = last.lateness_max;
+    }
+    if (std::any_of(loops.counts.begin(), loops.counts.end(), [](int64_t n) { return n > 0; }))
+      all.push_back(loops);
+  }
+  return all;
+}
+
+/// The contact sheet, or frames at even distances, as many as are small enough.
+std::vector<std::string> read_pictures(const fs::path& dir, size_t& frames) {
+  std::vector<fs::path> files;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(dir / "frames", none))
+    if (entry.path().extension() == ".png") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  frames = files.size();
+  std::string sheet = bytes_of(dir / "contact.png");
+  if (!sheet.empty() && sheet.size() <= kPictureBytes) return {sheet};
+  std::vector<std::string> strip;
+  for (size_t count = std::min<size_t>(6, files.size()); count > 0; --count) {
+    strip.clear();
+    size_t total = 0;
+    for (size_t i = 0; i < count; ++i) {
+      strip.push_back(bytes_of(files[count == 1 ? files.size() - 1 : i * (files.size() - 1) / (count - 1)]));
+      total += strip.back().size();
+    }
+    if (total <= kPictureBytes) return strip;
+  }
+  return {};
+}
+
+/// The last lines of a text, and of these the last letters.
+std::string tail(std::string text) {
+  constexpr int kLines = 12;
+  constexpr size_t kBytes = 4000;
+  while (text.ends_with('\n')) text.pop_back();
+  size_t at = text.size();
+  for (int lines = 0; lines < kLines && at != std::string::npos && at > 0; ++lines)
+    at = text.rfind('\n', at - 1);
+  if (at != std::string::npos && at > 0) text.erase(0, at + 1);
+  if (text.size() > kBytes) text.erase(0, text.size() - kBytes);
+  return text;
+}
+
+std::vector<std::pair<std::string, std::string>> read_last_words(const fs::path& dir,
+                                                                 const nlohmann::json& manifest) {
+  std::vector<std::pair<std::string, std::string>> all;
+  if (!manifest.is_object() || !manifest.contains("exit_codes")) return all;
+  for (const auto& [name, code] : manifest["exit_codes"].items()) {
+    if (code == 0 || name == "run") continue;
+    std::string text = tail(bytes_of(dir / "processes" / (name + ".log")));
+    all.emplace_back(name + " (exit " + code.dump() + ")", text.empty() ? "It said nothing." : text);
+  }
+  return all;
+}
+
+}  // namespace
+
+Folder read_folder(const std::string& dir) {
+  const fs::path root(dir);
+  const std::string log = root / "log.lcm";
+  if (!fs::exists(root / "experiment.yaml") && !fs::exists(log))
+    throw std::runtime_error(dir + ": is no run's folder (it has neither experiment.yaml nor log.lcm)");
+  Folder out;
+  out.name = fs::canonical(root).filename();
+  out.experiment_text = bytes_of(root / "experiment.yaml");
+  out.manifest = nlohmann::json::parse(bytes_of(root / "manifest.json"), nullptr, false);
+  if (!out.manifest.is_object()) out.manifest = nullptr;
+  try {
+    if (!fs::exists(log))
+      throw std::runtime_error("there is no log.lcm: the run ended before its first step, or still goes on");
+    if (fs::file_size(log) == 0) throw std::runtime_error("log.lcm is empty");
+    out.logged = read_run(log);
+    out.metrics = evaluate(out.logged->run, out.logged->experiment.expect);
+    out.notes = read_notes(log, out.logged->run.dt);
+  } catch (const std::exception& error) {
+    out.no_log = error.what();
+    if (out.no_log.starts_with(log + ": ")) out.no_log = "log.lcm: " + out.no_log.substr(log.size() + 2);
+    out.logged.reset();
+  }
+  if (out.logged) out.experiment = out.logged->experiment;
+  try {
+    if (!out.experiment_text.empty())
+      out.experiment = parse_experiment(out.experiment_text, out.name + "/experiment.yaml");
+  } catch (const std::exception&) {  // an older or broken text: the log knows what counts
+  }
+  if (fs::exists(root / "telemetry.lcm")) out.loops = read_loops(root / "telemetry.lcm");
+  out.pictures = read_pictures(root, out.frames);
+  out.last_words = read_last_words(root, out.manifest);
+  return out;
+}
+
+}  // namespace lab::report

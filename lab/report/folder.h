@@ -1,0 +1,46 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lab/evaluation/read_run.h"
+
+/// All that a run's folder holds, as far as it is there.
+namespace lab::report {
+
+/// An EVENT, or an INPUT from outside.
+struct Note {
+  double time = 0;  ///< s
+  std::string who, what, about, why;
+};
+
+/// How long a process took for a loop: a wake-up and all that followed from it. By the wall clock, from telemetry.lcm.
+struct Loops {
+  std::string process;
+  std::vector<int64_t> counts;  ///< by bin of wire/protocol/loop_bins.h; all of its starts added
+  int64_t overruns = 0;
+  double late_p50 = 0, late_p99 = 0, late_max = 0;  ///< us, of ticks in real time; 0 if it has none
+};
+
+struct Folder {
+  std::string name;                      ///< of the folder
+  std::optional<LoggedRun> logged;       ///< none: see no_log
+  std::string no_log;                    ///< why not, in one line
+  std::optional<Experiment> experiment;  ///< every key: experiment.yaml, or what the log has of it
+  nlohmann::json metrics;                ///< evaluate() of it; null without
+  std::vector<Note> notes;               ///< in the order of the log
+  std::vector<Loops> loops;              ///< in the order of the alphabet
+  nlohmann::json manifest;               ///< null if there is none
+  std::string experiment_text;           ///< experiment.yaml; empty if there is none
+  std::vector<std::string> pictures;     ///< PNG files' bytes: the contact sheet, or some frames
+  size_t frames = 0;                     ///< in frames/
+  std::vector<std::pair<std::string, std::string>>
+      last_words;  ///< of processes that ended badly: name, last lines
+};
+
+/// Throws std::runtime_error if the folder is none of a run. What is missing in it is no error.
+Folder read_folder(const std::string& dir);
+
+}  // namespace lab::report

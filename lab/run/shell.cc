@@ -1,0 +1,63 @@
+#include "lab/run/shell.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "lab/experiment/experiment.h"
+#include "lab/run/run.h"
+
+namespace lab {
+
+int guarded_main(const std::string& program, const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const ExperimentError& error) {
+    fmt::print(stderr, "{}: {}\n", program, error.what());
+    return kBadConfig;
+  } catch (const BusError& error) {
+    fmt::print(stderr, "{}: {}\n", program, error.what());
+    return kTransport;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", program, error.what());
+    return kCheckFailed;
+  }
+}
+
+int follower_main(int argc, char** argv, const std::string& name,
+                  const std::function<std::unique_ptr<Role>(FollowerConfig, Publish)>& make_role) {
+  CLI::App app{
+      fmt::format("The {} of a lab: waits for RUN on the bus and follows the simulator to the end.", name),
+      "lab-" + name};
+  app.footer(fmt::format("example: lab-{} --run-dir runs/latest", name));
+  ParticipantOptions options{.name = name,
+                             .url = "",
+                             .prefix = "",
+                             .channels = {Channel::Run, Channel::RobotState, Channel::Input, Channel::Need,
+                                          Channel::End, Channel::Process}};
+  if (name == kController) options.channels.push_back(Channel::Reference);
+  std::string run_dir;
+  double deadline = 10, ready = 10;
+  app.add_option("--run-dir", run_dir, "the run's folder: lets a restarted process catch up from its log")
+      ->envname("LAB_RUN_DIR");
+  app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
+  app.add_option("--deadline", deadline, "s without a word from the simulator that end the process")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kOk : kUsage;
+  }
+  return guarded_main("lab-" + name, [&] {
+    Participant participant(options);
+    FollowerConfig config;
+    config.deadline = std::llround(deadline * 1e6), config.ready_deadline = std::llround(ready * 1e6);
+    if (!run_dir.empty()) config.read_log = log_reader(run_dir + "/log.lcm");
+    const auto role = make_role(std::move(config), participant.publish());
+    return participant.run(*role);
+  });
+}
+
+}  // namespace lab

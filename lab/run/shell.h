@@ -1,0 +1,19 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "wire/process/participant.h"
+#include "wire/protocol/follower.h"
+
+namespace lab {
+
+/// Runs `work` and turns what it throws into one line on stderr and an exit code: ExperimentError 3, BusError 7,
+/// anything else 1.
+int guarded_main(const std::string& program, const std::function<int()>& work);
+
+/// The main of a process that follows the simulator: parses --run-dir, --url, --prefix, --deadline, --ready.
+int follower_main(int argc, char** argv, const std::string& name,
+                  const std::function<std::unique_ptr<Role>(FollowerConfig, Publish)>& make_role);
+
+}  // namespace lab

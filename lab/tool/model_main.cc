@@ -1,0 +1,165 @@
+// lab-model: looks at a robot file without running anything.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <iterator>
+
+#include "lab/model/describe.h"
+#include "lab/model/eval.h"
+#include "lab/model/robot.h"
+#include "lab/model/tree.h"
+
+namespace lab::model {
+namespace {
+
+using nlohmann::ordered_json;
+enum Exit { kOk = 0, kFailed = 1, kUsage = 2, kBadModel = 3 };
+
+struct Options {
+  std::vector<std::string> files;
+  std::string file, gravity;
+  bool no_mimic = false, notes = false, as_json = false;
+  RobotOptions robot;
+};
+
+/// A name that is no UTF-8 is shown with marks in place of its odd bytes.
+void print(const ordered_json& value, int indent) {
+  fmt::print("{}\n", value.dump(indent, ' ', false, ordered_json::error_handler_t::replace));
+}
+
+/// Errors always; warnings and notes on demand.
+void print(const std::vector<rbd::urdf::Diagnostic>& diagnostics, rbd::urdf::Severity least) {
+  for (const rbd::urdf::Diagnostic& d : diagnostics)
+    if (d.severity >= least) fmt::print(stderr, "{}\n", d.text());
+}
+
+int check(const Options& options) {
+  int result = kOk;
+  ordered_json all = ordered_json::array();
+  for (const std::string& file : options.files) {
+    const Robot robot = load(file, options.robot);
+    if (!robot.ok()) result = kBadModel;
+    if (options.as_json) {
+      ordered_json said = ordered_json::array();
+      for (const rbd::urdf::Diagnostic& d : robot.diagnostics) said.push_back(to_json(d));
+      ordered_json one{{"file", file}, {"ok", robot.ok()}};
+      if (robot.ok())
+        one.update({{"name", robot.model.name}, {"nq", robot.model.nq}, {"nv", robot.model.nv}});
+      one["diagnostics"] = said;
+      all.push_back(one);
+      continue;
+    }
+    print(robot.diagnostics, options.notes ? rbd::urdf::Severity::Note : rbd::urdf::Severity::Warning);
+    if (robot.ok())
+      fmt::print("{}: ok ({}, nq {}, nv {}, {:.6g} kg)\n", file, robot.model.name, robot.model.nq,
+                 robot.model.nv, mass_of(robot.model));
+  }
+  if (options.as_json) print(all, 2);
+  return result;
+}
+
+int info(const Options& options, const Robot& robot) {
+  if (options.as_json) {
+    print(info_json(robot), 2);
+    return kOk;
+  }
+  print(robot.diagnostics, rbd::urdf::Severity::Warning);
+  fmt::print("{}", info_text(robot));
+  return kOk;
+}
+
+int tree(const Options& options, const Robot& robot) {
+  if (options.as_json)
+    print(tree_json(robot.model), 2);
+  else
+    fmt::print("{}", tree_text(robot.model));
+  return kOk;
+}
+
+int eval(const Robot& robot) {
+  const std::string text(std::istreambuf_iterator<char>(std::cin), {});
+  const Evaluation result = evaluate(robot.model, parse(text));
+  for (const auto* lines : {&result.warnings, &result.errors})
+    for (const std::string& line : *lines)
+      fmt::print(stderr, "lab-model: {}{}\n", lines == &result.warnings ? "warning: " : "", line);
+  print(result.out, -1);
+  return result.errors.empty() ? kOk : kFailed;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Looks at a robot: what it is, what is wrong with its file, what its dynamics are.",
+               "lab-model"};
+  app.require_subcommand(1);
+  app.footer(
+      "A robot is a URDF file, package://.., builtin:manipulator or builtin:humanoid.\n"
+      "Exit codes: 0 ok, 1 a state cannot be evaluated, 2 usage or bad input, 3 the robot is refused.\n"
+      "example: lab-model info builtin:manipulator");
+  Options o;
+  const auto verb = [&](const char* name, const char* what, const char* example) {
+    CLI::App* sub = app.add_subcommand(name, what);
+    sub->add_flag("--floating-base", o.robot.floating_base,
+                  "the root link floats (a free-flyer joint 'root_joint')");
+    sub->add_flag("--no-mimic", o.no_mimic, "mimic joints are free");
+    sub->add_option("--gravity", o.gravity, "x,y,z in m/s2 (default 0,0,-9.81)");
+    sub->add_flag("--json", o.as_json, "print JSON");
+    sub->footer(std::string("example: lab-model ") + example);
+    return sub;
+  };
+  const auto robot = [&](CLI::App* sub) {
+    sub->add_option("robot", o.file, "URDF file, package://.. or builtin:NAME")->required();
+  };
+
+  CLI::App* info_verb =
+      verb("info", "Name, joints with kinds and limits, masses, frames.", "info models/simple_3dof_arm.urdf");
+  robot(info_verb);
+  CLI::App* check_verb = verb(
+      "check", "Says what is wrong with robot files, one line each: FILE:LINE: element: what (value seen).",
+      "check robots/*.urdf");
+  check_verb->add_option("robots", o.files, "URDF files, package://.. or builtin:NAME")->required();
+  check_verb->add_flag("--notes", o.notes, "also what was left out or adapted without harm");
+  CLI::App* eval_verb = verb("eval", "Reads states (JSON) from stdin, prints all of their dynamics (JSON).",
+                             "eval builtin:manipulator <<< '{\"states\": [{\"q\": [0, 0, 0, 0, 0, 0]}], "
+                             "\"frames\": [\"arm_tool_link\"]}'");
+  robot(eval_verb);
+  CLI::App* tree_verb = verb("tree", "Joints, links and frames as a tree.", "tree builtin:humanoid");
+  robot(tree_verb);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kOk : kUsage;
+  }
+
+  try {
+    o.robot.mimic = !o.no_mimic;
+    if (!o.gravity.empty()) o.robot.gravity = gravity_of(o.gravity);
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "lab-model: --gravity: {}\n", error.what());
+    return kUsage;
+  }
+  try {
+    if (*check_verb) {
+      o.robot.meshes = true;
+      return check(o);
+    }
+    const Robot loaded = load(o.file, o.robot);
+    if (!loaded.ok()) {
+      print(loaded.diagnostics, rbd::urdf::Severity::Error);
+      return kBadModel;
+    }
+    if (*info_verb) return info(o, loaded);
+    if (*tree_verb) return tree(o, loaded);
+    return eval(loaded);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "lab-model: {}\n", error.what());
+    return kUsage;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lab-model: {}\n", error.what());
+    return kFailed;
+  }
+}
+
+}  // namespace
+}  // namespace lab::model
+
+int main(int argc, char** argv) { return lab::model::run(argc, argv); }

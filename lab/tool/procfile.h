@@ -1,0 +1,14 @@
+#pragma once
+#include <string>
+
+#include "lab/experiment/experiment.h"
+
+namespace lab {
+
+/// The Procfile of an experiment: "name: command" per process, policy in "#lab:" lines before it. honcho and
+/// foreman run it too. `run_dir` holds experiment.yaml; it is quoted where a shell needs it.
+/// The usual programs take the place of their shell (exec), so that a signal reaches them alone.
+/// `restart` (never, on-failure, always) is the policy of all but the simulator.
+std::string procfile(const Experiment&, const std::string& run_dir, const std::string& restart = "never");
+
+}  // namespace lab

@@ -1,0 +1,235 @@
+// Real time with a clock made of numbers: ticks on an absolute grid, newest commands, requests, the end.
+#include "wire/protocol/ticker.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <lab/ack_t.hpp>
+#include <lab/end_t.hpp>
+#include <lab/event_t.hpp>
+#include <lab/need_t.hpp>
+#include <lab/reply_t.hpp>
+#include <lab/robot_state_t.hpp>
+#include <lab/run_t.hpp>
+
+#include "wire/protocol/loop_bins.h"
+#include "wire/schema/codec.h"
+
+namespace lab::test {
+namespace {
+
+constexpr Micros kDt = 1000;
+
+struct World {
+  explicit World(const std::string& no_reset = "") {
+    run_t run{};
+    run.run = 77, run.step = -1, run.nq = run.nv = run.njoints = 1, run.joint_names = {"a"};
+    LeaderConfig config;
+    config.run = encode(run), config.run_id = 77, config.model_hash = 5, config.nq = config.nv = 1;
+    config.dt = 1e-3, config.last_step = 100'000, config.wall_offset = 5'000'000;
+    config.no_reset = no_reset;
+    config.why_not = [](const Action& action) { return action.verb == "set" ? "" : "no such action"; };
+    ticker = std::make_unique<Ticker>(
+        config,
+        [this](int64_t step, const Command* command, std::span<const Action>) {
+          used.push_back(command ? command->state_step : -1);
+          const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1);
+          return Advance{{step, 0, zero, zero, zero}, {}, ""};
+        },
+        [this](Channel channel, std::span<const uint8_t> bytes) {
+          sent.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
+        });
+    for (int pid = 1; const char* name : {kPlanner, kController, kLogger}) {
+      process_t process{};
+      process.run = 77, process.name = name, process.pid = pid++, process.state = "READY",
+      process.model_hash = 5, process.utime = 1;
+      ticker->receive(Channel::Process, encode(process), now);
+    }
+  }
+  void run_to(Micros time) {
+    while (now < time) now = std::min(time, std::max(ticker->wake(), now + 1)), ticker->tick(now);
+  }
+  void command(int64_t state_step) {
+    command_t command{};
+    command.run = 77, command.step = command.state_step = state_step, command.nv = 1, command.tau = {0};
+    ticker->receive(Channel::Command, encode(command), now);
+  }
+  reply_t request(const std::string& verb, int64_t id, std::vector<double> values = {}) {
+    request_t request{};
+    request.sender = "me", request.id = id, request.action.verb = verb;
+    request.action.n = static_cast<int32_t>(values.size()), request.action.values = values;
+    ticker->receive(Channel::Request, encode(request), now);
+    return decode<reply_t>(last(Channel::Reply));
+  }
+  Bytes last(Channel channel) {
+    for (auto it = sent.rbegin(); it != sent.rend(); ++it)
+      if (it->first == channel) return it->second;
+    ADD_FAILURE() << "nothing on " << row(channel).name;
+    return {};
+  }
+  int64_t count(Channel channel) const {
+    return std::count_if(sent.begin(), sent.end(), [&](const auto& m) { return m.first == channel; });
+  }
+
+  Micros now = 1'000'000;
+  std::vector<std::pair<Channel, Bytes>> sent;
+  std::vector<int64_t> used;
+  std::unique_ptr<Ticker> ticker;
+};
+
+TEST(Ticker, StepsAreOnAnAbsoluteGridOfTheWallClock) {
+  World w;
+  EXPECT_EQ(w.ticker->step(), 0);
+  w.run_to(1'000'000 + 250 * kDt);
+  EXPECT_EQ(w.ticker->step(), 250);
+  EXPECT_EQ(decode<robot_state_t>(w.last(Channel::RobotState)).utime, 6'000'000 + 250 * kDt);
+}
+
+TEST(Ticker, LateTicksAreMadeUpForAndCounted) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  w.now += 5 * kDt + 300;
+  w.ticker->tick(w.now);
+  EXPECT_EQ(w.ticker->step(), 15);
+  EXPECT_EQ(w.ticker->overruns(), 4);  // late by 4.3, 3.3, 2.3, 1.3 and 0.3 steps
+  EXPECT_EQ(w.ticker->lateness()->longest(), 4 * kDt + 300);
+  EXPECT_EQ(w.ticker->wake(), 1'000'000 + 16 * kDt) << "the grid has not moved";
+}
+
+TEST(Ticker, ALongStandstillMovesTheGridAndIsSaid) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  w.now += 3'000'000;
+  w.ticker->tick(w.now);
+  EXPECT_EQ(w.ticker->step(), 11);
+  EXPECT_EQ(decode<event_t>(w.last(Channel::Event)).what, "clock_slipped");
+  EXPECT_EQ(w.ticker->wake(), w.now + kDt);
+}
+
+TEST(Ticker, TheNewestCommandIsUsedOnceAndOldOnesNever) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  w.command(9), w.command(10), w.command(8), w.command(11);  // 11 is of the future
+  w.run_to(w.now + 3 * kDt);
+  EXPECT_EQ((std::vector<int64_t>(w.used.end() - 3, w.used.end())), (std::vector<int64_t>{10, -1, -1}));
+}
+
+TEST(Ticker, PauseStepResume) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  EXPECT_FALSE(w.request("step", 1).ok);
+  EXPECT_TRUE(w.request("pause", 2).ok);
+  w.run_to(w.now + 500 * kDt);
+  EXPECT_EQ(w.ticker->step(), 10);
+  EXPECT_TRUE(w.request("step", 3, {5}).ok);
+  w.run_to(w.now + 300 * kDt);
+  EXPECT_EQ(w.ticker->step(), 15);
+  EXPECT_TRUE(w.request("resume", 4).ok);
+  w.run_to(w.now + 20 * kDt);
+  EXPECT_NEAR(static_cast<double>(w.ticker->step()), 35, 1);
+  EXPECT_EQ(w.ticker->overruns(), 0) << "a pause is no lateness";
+}
+
+TEST(Ticker, RequestsAreExecutedOnceAndInputsCanBeAskedForAgain) {
+  World w;
+  w.run_to(1'000'000 + 3 * kDt);
+  EXPECT_TRUE(w.request("set", 1, {1}).ok);
+  EXPECT_TRUE(w.request("set", 1, {1}).ok);  // repeated until answered
+  EXPECT_EQ(w.count(Channel::Input), 1);
+  EXPECT_FALSE(w.request("fly", 2).ok);
+  w.ticker->receive(
+      Channel::Need,
+      [] {
+        need_t need{};
+        need.step = -1, need.process = kSimulator, need.sender = kController;
+        return encode(need);
+      }(),
+      w.now);
+  EXPECT_EQ(w.count(Channel::Input), 2);
+  EXPECT_EQ(w.count(Channel::Run), 2);
+}
+
+TEST(Ticker, AResetEndsTheRunWithAWordAboutIt) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  EXPECT_TRUE(w.request("pause", 1).ok);
+  const reply_t reply = w.request("reset", 2);
+  EXPECT_TRUE(reply.ok);
+  EXPECT_EQ(reply.step, 11);
+  EXPECT_TRUE(w.ticker->again());
+  w.run_to(w.now + 200 * kDt);
+  const auto event = decode<event_t>(w.last(Channel::Event));
+  EXPECT_EQ(event.what, "reset");
+  EXPECT_EQ(event.who, "me");
+  const auto end = decode<end_t>(w.last(Channel::End));
+  EXPECT_EQ(end.step, 11);
+  EXPECT_FALSE(end.aborted);
+  EXPECT_TRUE(w.request("reset", 2).ok) << "asked again, answered again";
+  EXPECT_FALSE(w.request("goal", 3).ok) << "the run is ending";
+}
+
+TEST(Ticker, AResetThatNobodyWouldFollowIsRefused) {
+  World w("no supervisor");
+  w.run_to(1'000'000 + 10 * kDt);
+  const reply_t reply = w.request("reset", 1);
+  EXPECT_FALSE(reply.ok);
+  EXPECT_EQ(reply.reason, "no supervisor");
+  w.run_to(w.now + 20 * kDt);
+  EXPECT_EQ(w.ticker->step(), 30) << "the run goes on";
+  EXPECT_FALSE(w.ticker->again());
+}
+
+TEST(Ticker, AFloodOfBadCommandsGetsOneEventInAHundredSteps) {
+  World w;
+  for (int i = 0; i < 1000; ++i) {
+    w.run_to(w.now + kDt);
+    w.ticker->refused({Channel::Command, 0, true, "COMMAND: tau[0] is nan"}, w.now);
+  }
+  EXPECT_NEAR(static_cast<double>(w.count(Channel::Event)), 10, 1);
+  EXPECT_FALSE(w.ticker->outcome().ended);
+}
+
+TEST(Ticker, EndsWithALastWordThatTheLoggerConfirms) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  w.ticker->stop(w.now);
+  EXPECT_EQ(w.ticker->state(), "STOPPING");
+  EXPECT_FALSE(w.ticker->outcome().ended);
+  ack_t ack{};
+  ack.run = 77, ack.process = kLogger, ack.closed = true;
+  w.ticker->receive(Channel::Ack, encode(ack), w.now);
+  w.ticker->tick(w.now);
+  EXPECT_TRUE(w.ticker->outcome().ended);
+  EXPECT_EQ(w.ticker->outcome().exit_code, kOk);
+  EXPECT_EQ(decode<end_t>(w.last(Channel::End)).step, 10);
+}
+
+// every time is in the bin that says so, and no bin is wider than a quarter of its time
+TEST(LoopBins, EachTimeHasItsBin) {
+  for (int64_t us = 0; us < loop_bin_start(kLoopBins); us += 1 + us / 50) {
+    const int bin = loop_bin(us);
+    ASSERT_LE(loop_bin_start(bin), us);
+    ASSERT_GT(loop_bin_start(bin + 1), us);
+  }
+  for (int bin = 1; bin < kLoopBins; ++bin) {
+    EXPECT_EQ(loop_bin(loop_bin_start(bin)), bin);
+    EXPECT_EQ(loop_bin(loop_bin_start(bin) - 1), bin - 1);
+    EXPECT_LE(loop_bin_start(bin + 1) - loop_bin_start(bin), std::max<int64_t>(1, loop_bin_start(bin) / 4));
+  }
+  EXPECT_EQ(loop_bin(-5), 0);
+  EXPECT_EQ(loop_bin(int64_t{1} << 60), kLoopBins - 1);
+}
+
+TEST(Lateness, QuantilesOfAKnownSample) {
+  Lateness late;
+  EXPECT_EQ(late.quantile(0.5), 0);
+  for (int us = 0; us < 1000; ++us) late.add(us);
+  late.add(50'000);
+  EXPECT_EQ(late.quantile(0.5), 500);
+  EXPECT_EQ(late.quantile(0.99), 990);
+  EXPECT_EQ(late.longest(), 50'000);
+  EXPECT_EQ(late.ticks(), 1001);
+}
+
+}  // namespace
+}  // namespace lab::test

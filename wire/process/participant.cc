@@ -1,0 +1,203 @@
+#include "wire/process/participant.h"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <lab/process_t.hpp>
+
+#include "core/util/interrupt.h"
+#include "wire/protocol/lateness.h"
+#include "wire/protocol/step_record.h"
+#include "wire/schema/codec.h"
+
+namespace lab {
+namespace {
+
+constexpr Micros kEarly = 50;  // before a tick the process is awake and looks: a sleep may end that much late
+
+Micros clock_now(clockid_t clock) {
+  timespec t;
+  clock_gettime(clock, &t);
+  return t.tv_sec * 1'000'000 + t.tv_nsec / 1'000;
+}
+
+std::vector<std::string> names_of(const std::vector<Channel>& channels, const std::string& prefix) {
+  std::vector<std::string> names;
+  for (Channel channel : channels) names.push_back(wire_name(channel, prefix));
+  return names;
+}
+
+BusOptions bus_options(const ParticipantOptions& options) {
+  BusOptions bus;
+  bus.channels = names_of(options.channels, options.prefix);
+  return bus;
+}
+
+/// True for a message that would be well formed if its numbers were finite.
+bool only_not_finite(Channel channel, std::span<const uint8_t> bytes) {
+  const Schema& schema = lab_schema();
+  const Type& type = *schema.find(row(channel).type);
+  return !schema.check(type, bytes).empty() && schema.check(type, bytes, {.finite = false}).empty();
+}
+
+}  // namespace
+
+Micros monotonic_now() { return clock_now(CLOCK_MONOTONIC); }
+Micros wall_now() { return clock_now(CLOCK_REALTIME); }
+
+/// In a process namespace under the host's /proc, the pid that the host sees.
+int host_pid() {
+  static const int pid = [] {
+    char text[32] = {};
+    const ssize_t n = readlink("/proc/self", text, sizeof text - 1);
+    const int seen = n > 0 ? std::atoi(text) : 0;
+    return seen > 0 ? seen : getpid();
+  }();
+  return pid;
+}
+
+/// Asks the kernel for what real time needs; says what it refused.
+void go_realtime(const std::string& name, int urgency) {
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  const sched_param wanted{.sched_priority = 40 + urgency};
+  std::string missing;
+  if (sched_setscheduler(0, SCHED_FIFO, &wanted) < 0) missing = "SCHED_FIFO";
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) < 0) missing += missing.empty() ? "mlockall" : " and mlockall";
+  if (!missing.empty())
+    fmt::print(stderr, "lab-{}: no right to {} here: ticks come later under load (see scripts/lab doctor)\n",
+               name, missing);
+}
+
+int64_t launch_nonce() {
+  const char* text = std::getenv("LAB_LAUNCH");
+  return text ? std::strtoll(text, nullptr, 10) : 0;
+}
+
+Participant::Participant(ParticipantOptions options)
+    : options_(std::move(options)),
+      bus_(open_bus(options_.url, bus_options(options_))),
+      incoming_(options_.prefix),
+      outgoing_(options_.prefix),
+      nonce_(launch_nonce()),
+      loops_(256, 0.f) {
+  for (const ChannelRow& channel : kChannelTable)
+    wire_names_.push_back(wire_name(channel.id, options_.prefix));
+  heed_signals();
+}
+
+Publish Participant::publish() {
+  return [this](Channel channel, std::span<const uint8_t> bytes) {
+    if (const Verdict verdict = outgoing_.check(channel, bytes); !verdict)
+      throw PublishRefused(verdict.reason);
+    bus_->publish(wire_names_[static_cast<size_t>(channel)], bytes);
+  };
+}
+
+void Participant::receive(Role& role, const Datagram& datagram) {
+  const auto channel = channel_of(datagram.channel, options_.prefix);
+  if (!channel) return;
+  if (!options_.channels.empty() &&
+      std::find(options_.channels.begin(), options_.channels.end(), *channel) == options_.channels.end())
+    return;
+  const Verdict verdict = incoming_.check(*channel, datagram.data);
+  switch (verdict.kind) {
+    case Verdict::Foreign:
+      ++foreign_;
+      return;
+    case Verdict::Refused:
+      ++rejected_;
+      last_rejected_ = verdict.reason;
+      role.refused({*channel, datagram.data.size() >= 32 ? peek_step(datagram.data) : -1,
+                    only_not_finite(*channel, datagram.data), verdict.reason},
+                   monotonic_now());
+      return;
+    case Verdict::Accepted:
+      break;
+  }
+  ++received_;
+  role.receive(*channel, datagram.data, monotonic_now());
+  if (role.run() != incoming_.run()) {
+    incoming_.set_run(role.run()), incoming_.set_sizes(role.nq(), role.nv());
+    outgoing_.set_sizes(role.nq(), role.nv());
+  }
+}
+
+int Participant::run(Role& role) {
+  std::string said;
+  Micros next_process = 0;
+  bool stopping = false, urgent = false;
+  const auto finish = [&](int exit_code, const std::string& reason) {
+    if (!reason.empty()) fmt::print(stderr, "lab-{}: {}\n", options_.name, reason);
+    return exit_code;
+  };
+  try {
+    if (role.run() != 0) incoming_.set_run(role.run()), incoming_.set_sizes(role.nq(), role.nv());
+    while (!role.outcome().ended) {
+      const Micros before = monotonic_now();
+      const Micros wake = role.lateness() ? role.wake() - kEarly : role.wake();
+      const Micros wait = std::clamp<Micros>(std::min(wake, next_process) - before, 0, kRepeat);
+      Micros woken = 0;
+      bus_->poll(
+          wait,
+          [&](const Datagram& datagram) {
+            if (!woken) woken = monotonic_now();
+            receive(role, datagram);
+          },
+          role.batch());
+      if (interrupted && !stopping) stopping = true, role.stop(monotonic_now());
+      const Micros now = monotonic_now();
+      role.tick(now);
+      if (role.urgency() > 0 && !urgent) urgent = true, go_realtime(options_.name, role.urgency());
+      if (woken) note_loop(now - woken);
+      if (now >= next_process || role.state() != said) {
+        said = role.state(), next_process = now + kRepeat;
+        say_process(role, said);
+      }
+    }
+    say_process(role, role.outcome().exit_code == kOk ? "STOPPING" : "FAULT");
+  } catch (const PublishRefused& refused) {
+    say_process(role, "FAULT");
+    return finish(kSafety, fmt::format("refused to send: {}", refused.what()));
+  }
+  return finish(role.outcome().exit_code, role.outcome().reason);
+}
+
+void Participant::note_loop(Micros us) {
+  loops_[next_loop_++ % loops_.size()] = static_cast<float>(us);
+  ++loop_counts_[static_cast<size_t>(loop_bin(us))];
+}
+
+void Participant::say_process(Role& role, const std::string& state) {
+  const BusCounters bus = bus_->counters();
+  process_t process{};
+  process.utime = wall_now(), process.run = role.run(), process.step = role.step();
+  process.name = options_.name, process.pid = host_pid(), process.state = state;
+  process.nonce = nonce_, process.model_hash = role.model_hash();
+  process.received = received_, process.lost = bus.lost, process.late = role.late();
+  process.rejected = rejected_, process.foreign = foreign_, process.last_rejected = last_rejected_;
+  std::vector<float> loops(loops_.begin(),
+                           loops_.begin() + static_cast<std::ptrdiff_t>(std::min(next_loop_, loops_.size())));
+  if (!loops.empty()) {
+    std::sort(loops.begin(), loops.end());
+    process.loop_p50 = loops[loops.size() / 2], process.loop_p99 = loops[loops.size() * 99 / 100],
+    process.loop_max = loops.back();
+  }
+  const auto last = std::find_if(loop_counts_.rbegin(), loop_counts_.rend(), [](int64_t n) { return n > 0; });
+  process.loops.assign(loop_counts_.begin(), last.base());
+  process.nloops = static_cast<int32_t>(process.loops.size());
+  if (const Lateness* late = role.lateness()) {
+    process.overruns = role.overruns();
+    process.lateness_p50 = static_cast<float>(late->quantile(0.5)),
+    process.lateness_p99 = static_cast<float>(late->quantile(0.99));
+    process.lateness_max = static_cast<float>(late->longest());
+  }
+  publish()(Channel::Process, encode(process));
+}
+
+}  // namespace lab

@@ -1,0 +1,128 @@
+#pragma once
+#include <lab/process_t.hpp>
+#include <lab/request_t.hpp>
+#include <lab/robot_state_t.hpp>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lab/signals/signals.h"
+#include "wire/protocol/role.h"
+
+namespace lab {
+
+struct LeaderConfig {
+  Bytes run;  ///< the encoded RUN message
+  int64_t run_id = 0, model_hash = 0, nonce = 0;
+  int nq = 0, nv = 0;
+  double dt = 0;           ///< s
+  int64_t last_step = 0;   ///< N
+  int64_t every = 1;       ///< lockstep: a COMMAND is due at every step that this divides
+  int64_t lead = 0;        ///< lockstep: steps that the planner may be ahead
+  Micros wall_offset = 0;  ///< real time: wall clock minus the caller's clock
+  std::vector<std::string> required = {kPlanner, kController, kLogger};  ///< must be READY before step 0
+  std::vector<std::string> listeners = {kLogger};                        ///< whose last ACK the end waits for
+  Micros deadline = 10'000'000, ready_deadline = 10'000'000;
+  /// Why an action that a person asks for is impossible; empty = it is not. May be null.
+  std::function<std::string(const Action&)> why_not{};
+  std::string
+      no_reset{};  ///< why a person's `reset` is refused; empty: this run ends, and whoever started us starts the next
+};
+
+/// What one step of the simulator gives.
+struct Advance {
+  RobotState state;
+  std::vector<Event> events;
+  std::string abort;  ///< not empty: the state cannot be published, the run ends with a safety stop
+  std::string mode = "RUNNING";  ///< RUNNING, HOLDING, FAULT, as in PROCESS
+};
+/// Makes the state of `step` from the one before. `command` is null when none is new; actions hold from this step on.
+using AdvanceStep =
+    std::function<Advance(int64_t step, const Command* command, std::span<const Action> actions)>;
+
+/// The simulator's side of a run, whatever its clock: gathers the required processes, answers people's requests, and
+/// ends the run for everyone. When a step happens is for the Sequencer (lockstep) and the Ticker (real time) to say.
+class Leader : public Role {
+ public:
+  Leader(LeaderConfig config, AdvanceStep advance, Publish publish);
+
+  void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
+  void tick(Micros now) override;
+  Micros wake() const override;
+  void stop(Micros now) override;
+
+  const Outcome& outcome() const override { return outcome_; }
+  std::string state() const override;
+  int64_t step() const override { return published_; }
+  int64_t run() const override { return config_.run_id; }
+  int64_t model_hash() const override { return config_.model_hash; }
+  int nq() const override { return config_.nq; }
+  int nv() const override { return config_.nv; }
+  /// us from the first ROBOT_STATE to END.
+  Micros running_time() const { return ended_at_ - started_at_; }
+  /// True if a person asked for a new run: this one ends for that.
+  bool again() const { return again_; }
+
+ protected:
+  enum class Phase { Gathering, Running, Ending, Over };
+
+  // what a clock adds
+  virtual void on_message(Channel channel, std::span<const uint8_t> bytes, Micros now) = 0;
+  virtual void on_ack(const std::string&, int64_t /*complete_to*/) {}
+  virtual void on_need(int64_t step, Micros now) = 0;
+  virtual void on_input(int64_t step, const Bytes& input) = 0;  ///< keeps it for who asks again
+  virtual void on_resume(Micros) {}
+  virtual void on_reset(const std::string& /*sender*/) {}  ///< makes the run end soon
+  virtual void begin(Micros now) = 0;                      ///< all are READY: step 0
+  virtual void go_on(Micros now) = 0;                      ///< does the steps that can be done now
+  virtual Micros next_look() const = 0;                    ///< while running
+  virtual int64_t utime(int64_t step) const = 0;
+  virtual int64_t digest_of_last() { return 0; }
+
+  using Put = std::function<void(Channel, const Bytes&)>;
+  /// Makes the messages of a step's state, extras first. `message` brings digest and command_step, which the clock knows.
+  void compose(const Advance& advance, int64_t step, robot_state_t& message, const Put& put);
+  void end(bool aborted, const std::string& reason, Micros now);
+  void fail(int exit_code, const std::string& reason, Micros now);
+
+  LeaderConfig config_;
+  AdvanceStep advance_;
+  Publish publish_;
+
+  Phase phase_ = Phase::Gathering;
+  int64_t published_ = kBeforeStart;  ///< last ROBOT_STATE
+  int64_t last_step_;                 ///< E: N, or less after a stop
+  int64_t input_seq_ = 0, input_step_ = 0;
+  std::vector<Action> actions_;  ///< of the INPUTs for the next step
+  bool paused_ = false;
+  bool again_ = false;
+  int64_t single_steps_ = 0;  ///< steps that a paused run may still take
+  std::string mode_ = "RUNNING";
+  Silence silence_;
+  Bytes end_;  ///< the encoded END message
+
+ private:
+  struct Peer {
+    std::string state;
+    int32_t pid = 0;
+    int64_t heard = INT64_MIN;  ///< newest utime
+    std::set<int32_t> former;   ///< pids that this name had before
+    int64_t step = -1;
+    bool ready = false;
+  };
+  void on_process(const process_t& process, Micros now);
+  void on_request(const request_t& request, Micros now);
+  void start_if_ready(Micros now);
+  void leave_if_all_closed();
+  std::string missing_party() const;
+
+  std::map<std::string, Peer> peers_;
+  std::set<std::string> closed_;  ///< listeners whose log is closed
+  std::map<std::pair<std::string, int64_t>, Bytes> replies_;
+  Outcome outcome_, verdict_;
+  Micros next_end_ = 0, started_at_ = 0, ended_at_ = 0;
+};
+
+}  // namespace lab

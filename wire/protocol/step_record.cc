@@ -1,0 +1,110 @@
+#include "wire/protocol/step_record.h"
+
+#include <xxhash.h>
+
+#include <lab/event_t.hpp>
+#include <lab/input_t.hpp>
+#include <memory>
+
+#include "wire/schema/codec.h"
+
+namespace lab {
+namespace {
+
+template <class Integer>
+Integer big_endian(std::span<const uint8_t> bytes, size_t offset) {
+  uint64_t value = 0;
+  for (size_t i = 0; i < sizeof(Integer); ++i) value = value << 8 | bytes[offset + i];
+  return static_cast<Integer>(value);
+}
+
+bool assign(Bytes& place, std::span<const uint8_t> bytes, bool replace) {
+  if (!place.empty() && !replace) return false;
+  place.assign(bytes.begin(), bytes.end());
+  return true;
+}
+
+}  // namespace
+
+int64_t peek_utime(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 8); }
+int64_t peek_run(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 16); }
+int64_t peek_step(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 24); }
+int64_t peek_digest(std::span<const uint8_t> robot_state) {
+  return big_endian<int64_t>(robot_state, robot_state.size() - 12);
+}
+int32_t peek_extras(std::span<const uint8_t> main_message) {
+  return big_endian<int32_t>(main_message, main_message.size() - 4);
+}
+
+void StepRecord::clear(int64_t new_step) {
+  step = new_step;
+  inputs.clear();
+  state.clear(), reference.clear(), command.clear();
+  events.clear();
+}
+
+bool StepRecord::file(Channel channel, std::span<const uint8_t> bytes, bool replace) {
+  switch (channel) {
+    case Channel::RobotState:
+      return assign(state, bytes, replace);
+    case Channel::Reference:
+      return assign(reference, bytes, replace);
+    case Channel::Command:
+      return assign(command, bytes, replace);
+    case Channel::Input:
+      return assign(inputs[decode<input_t>(bytes).input_seq], bytes, replace);
+    case Channel::Event: {
+      const auto event = decode<event_t>(bytes);
+      return assign(events[{event.process, event.index}], bytes, replace);
+    }
+    default:
+      return false;
+  }
+}
+
+const Bytes* StepRecord::main_of(const std::string& process) const {
+  if (process == kSimulator) return &state;
+  if (process == kPlanner) return &reference;
+  if (process == kController) return &command;
+  return nullptr;
+}
+
+int64_t StepRecord::extras_of(const std::string& process) const {
+  int64_t count = process == kSimulator ? static_cast<int64_t>(inputs.size()) : 0;
+  for (const auto& [key, bytes] : events) count += key.first == process;
+  return count;
+}
+
+bool StepRecord::closed_by(const std::string& process) const {
+  const Bytes* main = main_of(process);
+  return !main->empty() && extras_of(process) >= peek_extras(*main);
+}
+
+bool StepRecord::complete(bool with_command) const {
+  return closed_by(kSimulator) && closed_by(kPlanner) && (!with_command || closed_by(kController));
+}
+
+void StepRecord::trim() {
+  std::erase_if(events, [&](const auto& entry) {
+    const auto& [process, index] = entry.first;
+    const Bytes* main = main_of(process);
+    if (!main || main->empty()) return true;
+    const int64_t others = process == kSimulator ? static_cast<int64_t>(inputs.size()) : 0;
+    return index < 0 || index >= peek_extras(*main) - others;
+  });
+}
+
+int64_t StepRecord::digest() const {
+  static thread_local const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(),
+                                                                                           XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  in_order([&](Channel channel, const Bytes& bytes) {
+    const uint64_t head[2] = {static_cast<uint64_t>(channel), bytes.size()};
+    XXH3_64bits_update(state.get(), head, sizeof head);
+    XXH3_64bits_update(state.get(), bytes.data(), bytes.size());
+  });
+  const auto value = static_cast<int64_t>(XXH3_64bits_digest(state.get()));
+  return value ? value : 1;
+}
+
+}  // namespace lab
