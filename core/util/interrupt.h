@@ -1,3 +1,4 @@
+// Graceful end on SIGINT and SIGTERM: the handlers only set a flag that every loop looks at.
 #pragma once
 #include <signal.h>
 #include <unistd.h>
@@ -6,12 +7,12 @@
 
 namespace lab {
 
-/// The signal that asked this process to end; 0 = none yet. Everybody who waits or works looks at it.
+/// The signal that asked this process to end; 0 = none yet.
 inline std::atomic<int> interrupted = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler writes it");
 
 /// INT and TERM are noted in `interrupted`; the second one ends the process at once.
-inline void heed_signals() {
+inline void install_signal_handlers() {
   struct sigaction action{};
   action.sa_handler = [](int number) {
     if (interrupted) _exit(128 + number);

@@ -83,7 +83,7 @@ int finish(const Sweep& sweep, const std::vector<Row>& rows, const Options& o) {
 }
 
 int run_all(const Sweep& sweep, Workbench& bench, const Options& o, int64_t part, int64_t parts) {
-  heed_signals();
+  install_signal_handlers();
   Results results(o.dir + "/results", sweep.metrics);
   results.load();
   std::vector<Row> rows(static_cast<size_t>(sweep.runs()));

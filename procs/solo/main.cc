@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
   }
   return lab::guarded_main("lab-solo", [&] {
-    lab::heed_signals();
+    lab::install_signal_handlers();
     const lab::Experiment experiment = lab::load_experiment(experiment_file, overrides);
     if (experiment.simulator.clock != "lockstep")
       lab::fail(experiment, "simulator.clock",

@@ -280,7 +280,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kOk : kUsage;
   }
-  heed_signals();
+  install_signal_handlers();
   return guarded_main("lab-spy", [&] {
     try {
       if (*echo_verb) return echo(options);

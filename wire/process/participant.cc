@@ -88,7 +88,7 @@ Participant::Participant(ParticipantOptions options)
       loops_(256, 0.f) {
   for (const ChannelRow& channel : kChannelTable)
     wire_names_.push_back(wire_name(channel.id, options_.prefix));
-  heed_signals();
+  install_signal_handlers();
 }
 
 Publish Participant::publish() {

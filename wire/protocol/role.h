@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/util/exit_code.h"
 #include "wire/schema/channels.h"
 
 /// What every participant of a lockstep run has in common. A role is a state machine: it is handed accepted
@@ -30,19 +31,6 @@ inline constexpr const char* kController = "controller";
 inline constexpr const char* kLogger = "logger";
 
 inline constexpr int64_t kBeforeStart = -1;  ///< the `step` of RUN, and of NEED that asks for it
-
-enum ExitCode : int {
-  kOk = 0,
-  kCheckFailed = 1,
-  kUsage = 2,
-  kBadConfig = 3,
-  kNotReady = 4,
-  kDied = 5,
-  kSafety = 6,
-  kTransport = 7
-};
-inline constexpr int kAgain =
-    75;  ///< the simulator's to its supervisor: start everybody again (EX_TEMPFAIL of sysexits.h)
 
 /// How a role ended, or that it has not.
 struct Outcome {

@@ -1,0 +1,18 @@
+// The exit codes of all programs, as docs and scripts list them.
+#pragma once
+
+namespace lab {
+
+enum ExitCode : int {
+  kOk = 0,
+  kCheckFailed = 1,  ///< a check failed, or a difference was found
+  kUsage = 2,
+  kBadConfig = 3,  ///< bad configuration or model
+  kNotReady = 4,   ///< not ready in time
+  kDied = 5,       ///< a required process died
+  kSafety = 6,     ///< safety stop
+  kTransport = 7,
+  kAgain = 75  ///< the simulator asks its supervisor to start every process again (EX_TEMPFAIL of sysexits.h)
+};
+
+}  // namespace lab
