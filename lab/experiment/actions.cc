@@ -4,6 +4,7 @@
 
 #include "lab/experiment/cartesian.h"
 #include "lab/experiment/joints.h"
+#include "lab/experiment/live_gains.h"
 
 namespace lab {
 namespace {
@@ -38,12 +39,6 @@ std::string goal_fault(const rbd::Model& model, const Action& action) {
   return "";
 }
 
-std::vector<std::string> gain_keys() {
-  std::vector<std::string> keys;
-  for (const Gain& gain : kGains) keys.push_back(gain.key);
-  return keys;
-}
-
 std::string set_fault(const Experiment& e, const rbd::Model& model, const Action& action) {
   if (action.target != "controller" && action.target != "planner")
     return "'" + action.target + "' has nothing to set; the controller has " + list_of(gain_keys()) +
@@ -73,27 +68,6 @@ std::string payload_fault(const rbd::Model& model, const Action& action) {
     return fault + ": mass and its place in the frame";
   if (!(action.values[0] >= 0 && action.values[0] <= 1e6))
     return "payload of " + number(action.values[0]) + " kg, needed at least 0 and at most 1e+06";
-  return "";
-}
-
-std::string gain_fault(const rbd::Model& model, const Action& action) {
-  const Gain* gain = nullptr;
-  for (const Gain& one : kGains)
-    if (action.key == one.key) gain = &one;
-  if (!gain) {
-    const std::vector<std::string> keys = gain_keys();
-    return "the controller has no '" + action.key + "' to set" + did_you_mean(action.key, keys) +
-           " (it has " + list_of(keys) + ")";
-  }
-  size_t joints = 0;
-  for (const rbd::JointModel& joint : model.joints) joints += joint.nv() == 1;
-  const size_t given = action.values.size();
-  const std::string what = action.key + " has " + std::to_string(given) + " values, needed ";
-  if (gain->numbers == 0 && given != 1 && given != joints) return what + "1 or " + std::to_string(joints);
-  if (gain->numbers > 0 && given != gain->numbers) return what + std::to_string(gain->numbers);
-  for (double value : action.values)
-    if (!(value >= 0 && std::isfinite(value)))
-      return action.key + " is " + number(value) + ", must be finite and at least 0";
   return "";
 }
 

@@ -26,16 +26,6 @@ inline Event ignored(const Action& action, const std::string& process, const std
   return {"action_ignored", process, "'" + what + "': " + why};
 }
 
-/// A gain of the controller that `set` can change.
-struct Gain {
-  const char* key;
-  size_t numbers;  ///< that it takes; 0: one per joint, or one for all
-};
-inline constexpr Gain kGains[] = {{"kp", 0}, {"kd", 0}, {"stiffness", 2}, {"damping", 2}, {"com_gain", 1}};
-
-/// Why these numbers cannot be this gain; empty if they can.
-std::string gain_fault(const rbd::Model&, const Action&);
-
 /// Why this cannot be asked of this robot in this experiment, so that it is refused at the door; empty if it can.
 std::string why_not(const Experiment&, const rbd::Model&, const Action&);
 

@@ -1,3 +1,6 @@
+// One experiment: which robot, how it is simulated, how it moves, who controls it, what to expect. Plain values in SI
+// units, without YAML, so that the steps can take it: experiment_yaml.h reads and writes them, docs/experiments.md lists
+// every key.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -9,9 +12,8 @@
 #include <variant>
 #include <vector>
 
-/// One experiment: which robot, how it is simulated, what it shall do, who controls it, what to expect.
-/// Plain values in SI units; lab/experiment/experiment_yaml.h reads and writes them, docs/experiments.md
-/// lists every key. Nothing here knows YAML, so that the steps can take it.
+#include "lab/experiment/gains.h"
+
 namespace lab {
 
 /// What is wrong with an experiment, one line per fault: "FILE:LINE: key: value seen, what to do".
@@ -123,14 +125,10 @@ struct Experiment {
     bool operator==(const Planner&) const = default;
   } planner;
 
-  struct Controller {
+  struct Controller : GainValues<JointValues> {
     std::string kind = "pd";
-    JointValues kp, kd;  ///< pd: Nm/rad, Nm s/rad; computed_torque: 1/s2, 1/s; com_velocity: 1/s, 1/s
-    std::string frame;   ///< the tool of cartesian_impedance
-    std::array<double, 2> stiffness{};  ///< of the tool: Nm/rad, N/m
-    std::array<double, 2> damping{};    ///< Nm s/rad, N s/m
-    double com_gain = 0;                ///< 1/s: com_velocity, on the error of the centre of mass
-    int64_t every = 1;                  ///< steps between commands
+    std::string frame;  ///< the tool of cartesian_impedance
+    int64_t every = 1;  ///< steps between commands
     bool limit_effort = false;
     struct OwnModel {                                          ///< what the controller believes
       double mass_scale = 1;                                   ///< every mass and inertia times this

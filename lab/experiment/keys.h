@@ -1,27 +1,15 @@
+// The table of all keys of an experiment: reader, writers, near names and docs/experiments.md come from it. A new key is
+// a member of Experiment and one row here; the controller's gains are in gains.h.
 #pragma once
 #include <concepts>
-#include <limits>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include "lab/experiment/experiment.h"
+#include "lab/experiment/gains.h"
+#include "lab/experiment/key.h"
 
-/// The table of all keys: reader, writers, near names and docs/experiments.md come from it. A new key is a
-/// member of Experiment and one row here.
 namespace lab {
-
-inline constexpr double kInf = std::numeric_limits<double>::infinity();
-
-struct Key {
-  const char* name;  ///< as in the file, sections joined by dots
-  const char* unit;
-  const char* standard;  ///< the default, in words
-  const char* doc;
-  double least = -kInf, most = kInf;  ///< of every number
-  std::vector<std::string> words{};   ///< that a text may be; empty = any
-  bool canonical = true;              ///< part of RUN's text: can change what is logged
-};
 
 inline constexpr const char* kMustBeGiven = "must be given";
 
@@ -180,25 +168,10 @@ void for_each_key(E& e, F&& f) {
       "`none`, `pd`, `pd_gravity`, `computed_torque`, `cartesian_impedance` or `com_velocity`; formulas "
       "below"},
     e.controller.kind);
-  f(K{"controller.kp", "pd: Nm/rad, N/m; computed_torque: 1/s2; com_velocity: 1/s", "0",
-      "gain on the error of q", 0},
-    e.controller.kp);
-  f(K{"controller.kd", "pd: Nm s/rad, N s/m; computed_torque, com_velocity: 1/s", "0",
-      "gain on the error of v", 0},
-    e.controller.kd);
+  for_each_joint_gain(f, e.controller);
   f(K{"controller.frame", "", "needed by cartesian_impedance", "the frame that is held, such as the tool"},
     e.controller.frame);
-  f(K{"controller.stiffness", "Nm/rad, N/m", "[0, 0]",
-      "cartesian_impedance: of the frame, angular and linear; a part with neither stiffness nor damping is "
-      "left to the "
-      "posture (`kp`, `kd`)",
-      0},
-    e.controller.stiffness);
-  f(K{"controller.damping", "Nm s/rad, N s/m", "[0, 0]",
-      "cartesian_impedance: of the frame, angular and linear", 0},
-    e.controller.damping);
-  f(K{"controller.com_gain", "1/s", "0", "com_velocity: gain on the error of the centre of mass", 0},
-    e.controller.com_gain);
+  for_each_task_gain(f, e.controller);
   f(K{"controller.every", "steps", "1", "steps from one command to the next; it is held between", 1, 128},
     e.controller.every);
   f(K{"controller.limit_effort", "", "false",

@@ -47,9 +47,8 @@ inline double to_number(const YAML::Node& node, const char* wanted = "a number")
 
 inline double bounded(double value, const Key& key) {
   const std::string unit = *key.unit ? std::string(" (") + key.unit + ")" : "";
-  if (value < key.least)
-    throw Fault{number(value) + " is too small; give at least " + number(key.least) + unit};
-  if (value > key.most) throw Fault{number(value) + " is too large; give at most " + number(key.most) + unit};
+  if (value < key.min) throw Fault{number(value) + " is too small; give at least " + number(key.min) + unit};
+  if (value > key.max) throw Fault{number(value) + " is too large; give at most " + number(key.max) + unit};
   return value;
 }
 

@@ -7,6 +7,7 @@
 
 #include "lab/experiment/actions.h"
 #include "lab/experiment/joints.h"
+#include "lab/experiment/live_gains.h"
 #include "procs/controller/own_model.h"
 
 namespace lab::controller {
@@ -22,35 +23,13 @@ const Kind& find_kind(const Experiment& e, std::span<const Kind> more) {
   fail(e, "controller.kind", "'" + e.controller.kind + "' is not known; use one of " + list_of(names));
 }
 
-/// Carries out `set controller KEY`. Returns why not, or "".
-std::string set_gain(const rbd::Model& model, Gains& gains, const Action& action) {
-  if (action.verb != "set") return "the controller has no such action";
-  if (std::string fault = gain_fault(model, action); !fault.empty()) return fault;
-  const std::vector<double>& values = action.values;
-  if (action.key == "com_gain") {
-    gains.com_gain = values[0];
-  } else if (action.key == "stiffness" || action.key == "damping") {
-    (action.key == "stiffness" ? gains.stiffness : gains.damping) = {values[0], values[1]};
-  } else {
-    Eigen::VectorXd& gain = action.key == "kp" ? gains.kp : gains.kd;
-    size_t i = 0;
-    for (const rbd::JointModel& joint : model.joints)
-      if (joint.nv() == 1) gain[joint.idx_v()] = values[values.size() == 1 ? 0 : i++];
-  }
-  return "";
-}
-
 }  // namespace
 
 Config make_config(const Experiment& e, const rbd::Model& model, std::span<const Kind> more) {
   Config config;
   config.kind = &find_kind(e, more);
   config.model = own_model(e, model);
-  config.gains.kp = joint_vector(e, "controller.kp", e.controller.kp, model, 0);
-  config.gains.kd = joint_vector(e, "controller.kd", e.controller.kd, model, 0);
-  config.gains.stiffness = e.controller.stiffness;
-  config.gains.damping = e.controller.damping;
-  config.gains.com_gain = e.controller.com_gain;
+  config.gains = live_gains(e, model);
   config.period = e.simulator.dt * static_cast<double>(e.controller.every);
   config.limit_effort = e.controller.limit_effort;
   if (config.kind->prepare) config.kind->prepare(e, config);
@@ -71,7 +50,8 @@ Output step(const Config& config, State& state, const Input& input) {
   Output output;
   for (const Action& action : input.actions) {
     if (!is_for(action, "controller")) continue;
-    const std::string why_not = set_gain(config.model, state.gains, action);
+    const std::string why_not = action.verb == "set" ? set_gain(config.model, state.gains, action)
+                                                     : "the controller has no such action";
     if (!why_not.empty()) output.events.push_back(ignored(action, "controller", why_not));
   }
   rbd::difference(config.model, input.state.q, input.reference.q, state.e);

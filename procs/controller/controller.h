@@ -1,12 +1,12 @@
 #pragma once
 #include <rbd/model/data.h>
 
-#include <array>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "lab/experiment/experiment.h"
+#include "lab/experiment/live_gains.h"
 #include "lab/signals/signals.h"
 
 /// Joint effort from what is and what is wanted: a pure function of config, state and input.
@@ -33,12 +33,8 @@ struct Kind {
 /// none, pd, pd_gravity, computed_torque, cartesian_impedance, com_velocity.
 std::span<const Kind> kinds();
 
-/// What `set controller KEY=..` can change while it runs; lab/experiment/actions.h has their keys.
-struct Gains {
-  Eigen::VectorXd kp, kd;                    ///< nv
-  std::array<double, 2> stiffness, damping;  ///< of a frame: angular, linear
-  double com_gain = 0;                       ///< 1/s
-};
+/// What `set controller KEY=..` can change while it runs: lab/experiment/gains.h lists them, live_gains.h changes them.
+using Gains = LiveGains;
 
 struct Config {
   const Kind* kind = nullptr;

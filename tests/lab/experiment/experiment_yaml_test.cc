@@ -236,7 +236,7 @@ class Randomizer {
   void operator()(const Key& key, JointValues& x) {
     const int form = random_() % 4;
     if (form == 1) x.value = within(key);
-    if (form == 2) x.value = std::vector<double>{within(key), within(key), 0.1, std::max(-0.0, key.least)};
+    if (form == 2) x.value = std::vector<double>{within(key), within(key), 0.1, std::max(-0.0, key.min)};
     if (form == 3)
       x.value = JointValues::Named{{"elbow", within(key)}, {"true", 2}, {"left arm: 1", within(key)}};
   }
@@ -268,7 +268,7 @@ class Randomizer {
 
  private:
   double within(const Key& key) {
-    const double least = std::max(key.least, -1e9), most = std::min(key.most, 1e9);
+    const double least = std::max(key.min, -1e9), most = std::min(key.max, 1e9);
     return std::uniform_real_distribution<double>(least, most)(random_);
   }
   std::mt19937 random_;

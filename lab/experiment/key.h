@@ -1,0 +1,21 @@
+// What is known of one key of an experiment: a row of the tables in keys.h and gains.h.
+#pragma once
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace lab {
+
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+
+struct Key {
+  const char* name;  ///< as in the file, sections joined by dots
+  const char* unit;
+  const char* standard;  ///< the default, in words
+  const char* doc;
+  double min = -kInf, max = kInf;    ///< of every number
+  std::vector<std::string> words{};  ///< that a text may be; empty = any
+  bool canonical = true;             ///< part of RUN's text: can change what is logged
+};
+
+}  // namespace lab
