@@ -53,18 +53,24 @@ pretend() { # NAME LINE: a command of that name in front of the real one
 
 @test "packages.txt: names only, each once" {
   list=$ROOT/scripts/packages.txt
-  ! grep -vE '^ *(#|$)' "$list" | grep -vE '^[a-z0-9.+-]+$'
-  [ -z "$(grep -vE '^ *(#|$)' "$list" | sort | uniq -d)" ]
+  ! sed -E 's/^#(test|full): *//' "$list" | grep -vE '^ *(#|$)' | grep -vE '^[a-z0-9.+-]+$'
+  [ -z "$(sed -E 's/^#(test|full): *//' "$list" | grep -vE '^ *(#|$)' | sort | uniq -d)" ]
 }
 
-@test "--full: what only the long tests need, too" {
-  printf 'bash\n# only for long tests\n#full: no-such-compiler\n' >"$LAB_PACKAGES"
+@test "--test and --full: what only tests and only the long tests need, too" {
+  printf 'bash\n# only for tests\n#test: no-such-tester\n#full: no-such-compiler\n' >"$LAB_PACKAGES"
   pretend dpkg-query 'echo "ii  bash"'
   pretend id 'echo 1000'
   pretend sudo 'exit 1'
   run "$LAB" setup
   [ "$status" -eq 0 ]
+  run "$LAB" setup --test
+  [ "$status" -eq 2 ]
+  [[ $output == *"--no-install-recommends no-such-tester" ]]
   run "$LAB" setup --full
   [ "$status" -eq 2 ]
-  [[ $output == *"--no-install-recommends no-such-compiler"* ]]
+  [[ $output == *"--no-install-recommends no-such-tester no-such-compiler" ]]
+  run "$LAB" setup --tset
+  [ "$status" -eq 2 ]
+  [[ $output == *"unknown argument '--tset'"* ]]
 }

@@ -22,9 +22,9 @@ NOT_YET = ("core/rbd/algorithm", "core/rbd/model", "core/rbd/spatial")  # until 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.M)
 
 
-def sources(root):
-    """All sources, as paths relative to root."""
-    for top in FOLDERS:
+def sources(root, folders=None):
+    """All sources (not the tests), as paths relative to root."""
+    for top in folders or FOLDERS:
         for folder, _, names in os.walk(os.path.join(root, top)):
             for name in sorted(names):
                 if name.endswith(SOURCE):
