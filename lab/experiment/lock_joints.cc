@@ -1,5 +1,5 @@
 #include <rbd/algorithm/configuration.h>
-#include <rbd/model/reduced_model.h>
+#include <rbd/edit/reduced_model.h>
 
 #include "lab/experiment/robot.h"
 

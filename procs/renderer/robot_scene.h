@@ -1,5 +1,5 @@
 #pragma once
-#include <rbd/model/data.h>
+#include <rbd/algorithm/data.h>
 
 #include <string>
 #include <vector>

@@ -10,7 +10,13 @@ rm -rf "$work" && mkdir -p "$work"
 # an install may be moved
 cmake --install "$build" --prefix "$work/first" --component core >"$work/install.log"
 mv "$work/first" "$work/prefix"
-find "$work/prefix/include" -path '*inner*' | grep . && { echo "inner headers are installed"; exit 1; }
+[ ! -e "$work/prefix/include/rbd/kernel" ] || { echo "kernel headers are installed"; exit 1; }
+# whatever an installed header includes is installed too
+cd "$work/prefix/include"
+grep -rhoP '#include "\Krbd/[^"]+' rbd | sort -u | while read -r header; do
+  [ -e "$header" ] || { echo "an installed header includes $header, which is not installed"; exit 1; }
+done
+cd "$here"
 
 cmake -G Ninja -S "$here/outside" -B "$work/outside" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_COMPILER="$compiler" \
   -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" 2>&1 || { cat "$work/configure.log"; exit 1; }

@@ -18,7 +18,6 @@ import sys
 
 FOLDERS = ["core", "wire", "lab", "procs", "render", "lcmtypes", "bench", "examples"]
 SOURCE = (".h", ".cc")
-NOT_YET = ("core/rbd/algorithm", "core/rbd/model", "core/rbd/spatial")  # until the core's rooms are divided
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.M)
 
 
@@ -44,8 +43,6 @@ def target(root, file, include):
 def arrows(root):
     """(file, included file) of all includes that cross from one room to another."""
     for file in sources(root):
-        if file.startswith(NOT_YET):
-            continue
         with open(os.path.join(root, file), encoding="utf-8") as f:
             text = f.read()
         for include in INCLUDE.findall(text):

@@ -2,10 +2,10 @@
 
 #include "rbd/algorithm/cholesky.h"
 #include "rbd/algorithm/crba.h"
-#include "rbd/algorithm/inner/articulate.h"
-#include "rbd/algorithm/inner/joint_terms.h"
-#include "rbd/algorithm/inner/kernels.h"
+#include "rbd/algorithm/kernels.h"
 #include "rbd/algorithm/rnea.h"
+#include "rbd/kernel/articulate.h"
+#include "rbd/kernel/rotor_and_friction.h"
 
 namespace rbd {
 namespace inner {

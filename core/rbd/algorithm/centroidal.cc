@@ -1,7 +1,7 @@
 #include "rbd/algorithm/centroidal.h"
 
-#include "rbd/algorithm/inner/motion_rates.h"
-#include "rbd/algorithm/inner/whole_body.h"
+#include "rbd/algorithm/whole_body.h"
+#include "rbd/kernel/motion_rates.h"
 
 namespace rbd {
 namespace {

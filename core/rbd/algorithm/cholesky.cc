@@ -1,7 +1,7 @@
 #include "rbd/algorithm/cholesky.h"
 
-#include "rbd/algorithm/inner/check.h"
-#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/algorithm/argument_checks.h"
+#include "rbd/kernel/workspace.h"
 
 namespace rbd::cholesky {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rbd/algorithm/inner/check.h"
-#include "rbd/algorithm/inner/manifold.h"
+#include "rbd/algorithm/argument_checks.h"
+#include "rbd/kernel/manifold.h"
 
 namespace rbd {
 namespace {

@@ -1,8 +1,8 @@
 #include "rbd/algorithm/coriolis.h"
 
-#include "rbd/algorithm/inner/check.h"
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/motion_rates.h"
+#include "rbd/algorithm/argument_checks.h"
+#include "rbd/kernel/mimic.h"
+#include "rbd/kernel/motion_rates.h"
 
 namespace rbd {
 namespace inner {

@@ -1,9 +1,9 @@
 #include "rbd/algorithm/crba.h"
 
-#include "rbd/algorithm/inner/joint_terms.h"
-#include "rbd/algorithm/inner/kernels.h"
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/stages.h"
+#include "rbd/algorithm/kernels.h"
+#include "rbd/kernel/forward_passes.h"
+#include "rbd/kernel/mimic.h"
+#include "rbd/kernel/rotor_and_friction.h"
 
 namespace rbd {
 namespace inner {
@@ -48,7 +48,7 @@ template void crbaKernel(const Model&, const int*, Scratch<long double>&, const 
 const PaddedMatrix& crba(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("crba", model, data, q);
   inner::Workspace& work = data.work();
-  // treeX, gather: through the map of mimic joints (inner/mimic.h); nothing to do if nothing mimics
+  // treeX, gather: through the map of mimic joints (kernel/mimic.h); nothing to do if nothing mimics
   inner::crbaKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
                     inner::treeOut(model, work.M, data.M), work.stride);
   inner::gatherBothSides(model, work.M, data.M);

@@ -1,10 +1,10 @@
 #include "rbd/algorithm/derivatives.h"
 
 #include "rbd/algorithm/aba.h"
-#include "rbd/algorithm/inner/joint_terms.h"
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/motion_rates.h"
 #include "rbd/algorithm/minverse.h"
+#include "rbd/kernel/mimic.h"
+#include "rbd/kernel/motion_rates.h"
+#include "rbd/kernel/rotor_and_friction.h"
 
 namespace rbd {
 namespace inner {

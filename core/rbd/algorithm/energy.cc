@@ -1,7 +1,7 @@
 #include "rbd/algorithm/energy.h"
 
-#include "rbd/algorithm/inner/joint_terms.h"
-#include "rbd/algorithm/inner/whole_body.h"
+#include "rbd/algorithm/whole_body.h"
+#include "rbd/kernel/rotor_and_friction.h"
 
 namespace rbd {
 

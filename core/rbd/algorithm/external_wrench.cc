@@ -1,7 +1,7 @@
 #include "rbd/algorithm/external_wrench.h"
 
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/public_face.h"
+#include "rbd/algorithm/to_user_frames.h"
+#include "rbd/kernel/mimic.h"
 
 namespace rbd::inner {
 namespace {

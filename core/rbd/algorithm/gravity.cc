@@ -1,7 +1,7 @@
-#include "rbd/algorithm/inner/kernels.h"
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/stages.h"
+#include "rbd/algorithm/kernels.h"
 #include "rbd/algorithm/rnea.h"
+#include "rbd/kernel/forward_passes.h"
+#include "rbd/kernel/mimic.h"
 
 namespace rbd {
 namespace inner {

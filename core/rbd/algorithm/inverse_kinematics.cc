@@ -5,9 +5,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "rbd/algorithm/argument_checks.h"
 #include "rbd/algorithm/configuration.h"
-#include "rbd/algorithm/inner/check.h"
-#include "rbd/algorithm/inner/ik_search.h"
+#include "rbd/algorithm/ik_search.h"
 
 namespace rbd {
 namespace {

@@ -1,8 +1,8 @@
 #include "rbd/algorithm/jacobian.h"
 
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/motion_rates.h"
-#include "rbd/algorithm/inner/public_face.h"
+#include "rbd/algorithm/to_user_frames.h"
+#include "rbd/kernel/mimic.h"
+#include "rbd/kernel/motion_rates.h"
 
 namespace rbd {
 namespace {

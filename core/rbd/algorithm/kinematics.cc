@@ -1,7 +1,7 @@
 #include "rbd/algorithm/kinematics.h"
 
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/public_face.h"
+#include "rbd/algorithm/to_user_frames.h"
+#include "rbd/kernel/mimic.h"
 
 namespace rbd {
 namespace {

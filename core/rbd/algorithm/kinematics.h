@@ -5,13 +5,10 @@
 // table 5.1 (pass 1).
 #pragma once
 
-#include "rbd/model/data.h"
+#include "rbd/algorithm/data.h"
+#include "rbd/spatial/vector_ref.h"
 
 namespace rbd {
-
-using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
-using VectorRef = Eigen::Ref<Eigen::VectorXd>;
-using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 
 // Poses of all joints and frames: data.oMi, data.oMf. Remembers q in data.q_in.
 void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q);

@@ -1,11 +1,11 @@
 #include "rbd/algorithm/minverse.h"
 
+#include "rbd/algorithm/argument_checks.h"
 #include "rbd/algorithm/cholesky.h"
 #include "rbd/algorithm/crba.h"
-#include "rbd/algorithm/inner/articulate.h"
-#include "rbd/algorithm/inner/check.h"
-#include "rbd/algorithm/inner/joint_terms.h"
-#include "rbd/algorithm/inner/sincos.h"
+#include "rbd/kernel/articulate.h"
+#include "rbd/kernel/rotor_and_friction.h"
+#include "rbd/kernel/sincos.h"
 
 namespace rbd {
 namespace inner {

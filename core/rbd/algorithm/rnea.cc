@@ -1,9 +1,9 @@
 #include "rbd/algorithm/rnea.h"
 
-#include "rbd/algorithm/inner/joint_terms.h"
-#include "rbd/algorithm/inner/kernels.h"
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/stages.h"
+#include "rbd/algorithm/kernels.h"
+#include "rbd/kernel/forward_passes.h"
+#include "rbd/kernel/mimic.h"
+#include "rbd/kernel/rotor_and_friction.h"
 
 namespace rbd {
 namespace inner {
@@ -52,7 +52,7 @@ const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef
                             const ConstVectorRef& a) {
   inner::checkInputs("rnea", model, data, q, "v", v, "a", a);
   inner::Workspace& work = data.work();
-  // treeX, gather: through the map of mimic joints (inner/mimic.h); nothing to do if nothing mimics
+  // treeX, gather: through the map of mimic joints (kernel/mimic.h); nothing to do if nothing mimics
   inner::rneaKernel(model, work.d, inner::treeQ(model, work, q), inner::treeV(model, work.v, v),
                     inner::treeV(model, work.a, a), inner::treeOut(model, work, data.tau));
   inner::gather(model, work, data.tau);

@@ -1,8 +1,8 @@
 // Joints as a user names them: kind, axis, how many numbers they take. Plain values.
 //
 // A kind is a row of the table in joint.cc (name, nq, nv, manifold, kernel); what a kernel does with it is in
-// algorithm/joint_kinds.h, how configurations of a manifold are added and compared in
-// algorithm/inner/manifold.h. A new kind is a row there, and code only if kernel or manifold are new.
+// kernel/joint_kinds.h, how configurations of a manifold are added and compared in
+// kernel/manifold.h. A new kind is a row there, and code only if kernel or manifold are new.
 //
 //   kind                    shortname                      q                              v
 //   universe (joint 0)      FIXED                          -                              -

@@ -116,7 +116,7 @@ class Model {
   void setJointPlacement(JointIndex joint, const SE3& placement);
   void setFramePlacement(FrameIndex frame, const SE3& placement);
 
-  // Scratch for one thread; needs rbd/model/data.h.
+  // Scratch for one thread; needs rbd/algorithm/data.h.
   Data createData() const;
 
   // For the kernels.

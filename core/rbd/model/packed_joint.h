@@ -7,7 +7,7 @@
 //   (here and at the public face): R_user = R_kernel * turn^T;
 // - a universal joint is two turning joints with a massless body between;
 // - joints that mimic others are independent: the tree has its own q and v (tree.nq, tree.nv entries),
-//   which a linear map makes from the user's; efforts come back by its transpose (algorithm/inner/mimic.h).
+//   which a linear map makes from the user's; efforts come back by its transpose (kernel/mimic.h).
 //   Plain doubles, so that any scalar type can be loaded from them; 3-vectors take 4 places (the last is
 //   0), 3x3 matrices three such columns.
 #pragma once
@@ -35,7 +35,7 @@ struct alignas(64) PackedJoint {
   int idx_q, idx_v, nv;
 };
 
-// How a joint moves once it is turned; see algorithm/joint_kinds.h. In all of them the motion subspace is
+// How a joint moves once it is turned; see kernel/joint_kinds.h. In all of them the motion subspace is
 // constant in the moving body.
 enum KernelKind { kNone, kTurnZ, kSlideZ, kScrewZ, kBall, kPlanar, kTranslate, kFree };
 

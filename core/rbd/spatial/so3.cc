@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rbd/spatial/inner/turn_terms.h"
+#include "rbd/spatial/rotation_series.h"
 
 namespace rbd {
 

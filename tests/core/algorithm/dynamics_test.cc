@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/kernel/workspace.h"
 #include "tests/core/algorithm/random_tree.h"
 
 namespace rbd {

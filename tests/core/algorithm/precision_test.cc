@@ -2,7 +2,7 @@
 // the three-scalar form of the inner types (what packets will use) computes the same.
 #include <gtest/gtest.h>
 
-#include "rbd/algorithm/inner/kernels.h"
+#include "rbd/algorithm/kernels.h"
 #include "tests/core/algorithm/random_tree.h"
 
 namespace rbd {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/kernel/workspace.h"
 #include "rbd/model/sample_geometries.h"
 #include "rbd/rbd.h"
 #include "tests/core/algorithm/random_tree.h"

@@ -1,8 +1,8 @@
 // Masses and inertias: welding, placements, and what is accepted of odd ones.
 #include <gtest/gtest.h>
+#include <rbd/algorithm/data.h>
 #include <rbd/algorithm/kinematics.h>
 #include <rbd/algorithm/rnea.h>
-#include <rbd/model/data.h>
 #include <rbd/urdf/urdf.h>
 
 #include <Eigen/Geometry>

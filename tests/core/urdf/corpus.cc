@@ -2,8 +2,8 @@
 
 #include <rbd/algorithm/aba.h>
 #include <rbd/algorithm/configuration.h>
+#include <rbd/algorithm/data.h>
 #include <rbd/algorithm/rnea.h>
-#include <rbd/model/data.h>
 
 #include <fstream>
 #include <map>

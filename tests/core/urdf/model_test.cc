@@ -1,7 +1,7 @@
 // What comes out of a sound URDF: joints, order, axes, limits, frames.
 #include <gtest/gtest.h>
+#include <rbd/algorithm/data.h>
 #include <rbd/algorithm/kinematics.h>
-#include <rbd/model/data.h>
 #include <rbd/urdf/urdf.h>
 
 #include <Eigen/Geometry>

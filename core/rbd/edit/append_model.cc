@@ -1,11 +1,11 @@
-#include "rbd/model/append_model.h"
+#include "rbd/edit/append_model.h"
 
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "rbd/algorithm/inner/check.h"
-#include "rbd/model/inner/model_copy.h"
+#include "rbd/algorithm/argument_checks.h"
+#include "rbd/edit/model_copy.h"
 
 namespace rbd {
 namespace {

@@ -1,5 +1,5 @@
 // Two robots made one: what each does alone, each does together, seen from where it now stands.
-#include "rbd/model/append_model.h"
+#include "rbd/edit/append_model.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "rbd/algorithm/inner/workspace.h"
-#include "rbd/algorithm/kinematics.h"
+#include "rbd/kernel/workspace.h"
+#include "rbd/spatial/vector_ref.h"
 
 namespace rbd::inner {
 

@@ -5,7 +5,7 @@
 // terms that simply add when all bodies are written about one point along one set of axes.
 #pragma once
 
-#include "rbd/algorithm/inner/vec3.h"
+#include "rbd/kernel/vec3.h"
 
 namespace rbd::inner {
 

@@ -1,4 +1,4 @@
-#include "rbd/algorithm/inner/ik_search.h"
+#include "rbd/algorithm/ik_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "rbd/algorithm/inner/mimic.h"
-#include "rbd/algorithm/inner/public_face.h"
+#include "rbd/algorithm/to_user_frames.h"
+#include "rbd/kernel/mimic.h"
 
 namespace rbd::inner {
 

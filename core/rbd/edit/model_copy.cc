@@ -1,4 +1,4 @@
-#include "rbd/model/inner/model_copy.h"
+#include "rbd/edit/model_copy.h"
 
 #include <stdexcept>
 

@@ -1,10 +1,10 @@
-#include "rbd/algorithm/inner/check.h"
+#include "rbd/algorithm/argument_checks.h"
 
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
-#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/kernel/workspace.h"
 
 namespace rbd::inner {
 

@@ -80,7 +80,7 @@ struct Data : DataFields {
 
   std::vector<JointData> joints;  // njoints
 
-  // The kernels' own arrays; see algorithm/inner/workspace.h.
+  // The kernels' own arrays; see kernel/workspace.h.
   inner::Workspace& work() const { return *work_; }
   bool movedFrom() const { return !work_; }
 

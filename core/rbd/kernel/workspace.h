@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rbd/algorithm/inner/spatial.h"
+#include "rbd/kernel/spatial_algebra.h"
 #include "rbd/model/model.h"
 #include "rbd/model/padded_matrix.h"
 

@@ -9,7 +9,7 @@
 // Efficient analytical derivatives of rigid-body dynamics using spatial vector algebra, 2022.
 #pragma once
 
-#include "rbd/algorithm/inner/stages.h"
+#include "rbd/kernel/forward_passes.h"
 
 namespace rbd::inner {
 

@@ -4,8 +4,8 @@
 // While nothing mimics, G is the identity and the kernels read and write the user's vectors themselves.
 #pragma once
 
-#include "rbd/algorithm/inner/workspace.h"
-#include "rbd/algorithm/kinematics.h"
+#include "rbd/kernel/workspace.h"
+#include "rbd/spatial/vector_ref.h"
 
 namespace rbd::inner {
 

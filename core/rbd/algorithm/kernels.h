@@ -7,7 +7,7 @@
 // D.
 #pragma once
 
-#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/kernel/workspace.h"
 
 namespace rbd::inner {
 

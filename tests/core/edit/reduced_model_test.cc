@@ -1,6 +1,6 @@
 // Locking joints. The second road is the same robot with every joint free, mimic or not: the reduced robot
 // moves it through  q_free = where its joints stand,  v_free = G v,  G zero for what is locked.
-#include "rbd/model/reduced_model.h"
+#include "rbd/edit/reduced_model.h"
 
 #include <gtest/gtest.h>
 

@@ -10,9 +10,8 @@
 
 #include <cmath>
 
-#include "rbd/algorithm/inner/check.h"
-#include "rbd/algorithm/inner/sincos.h"
-#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/kernel/sincos.h"
+#include "rbd/kernel/workspace.h"
 
 namespace rbd::inner {
 

@@ -1,4 +1,4 @@
-#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/kernel/workspace.h"
 
 #include <algorithm>
 

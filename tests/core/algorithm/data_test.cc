@@ -1,4 +1,4 @@
-#include "rbd/model/data.h"
+#include "rbd/algorithm/data.h"
 
 #include <gtest/gtest.h>
 

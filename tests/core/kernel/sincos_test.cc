@@ -1,4 +1,4 @@
-#include "rbd/algorithm/inner/sincos.h"
+#include "rbd/kernel/sincos.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "rbd/model/data.h"
+#include "rbd/algorithm/data.h"
 
-#include "rbd/algorithm/inner/workspace.h"
+#include "rbd/kernel/workspace.h"
 
 namespace rbd {
 

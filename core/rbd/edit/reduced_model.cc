@@ -1,11 +1,11 @@
-#include "rbd/model/reduced_model.h"
+#include "rbd/edit/reduced_model.h"
 
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "rbd/algorithm/inner/check.h"
-#include "rbd/model/inner/model_copy.h"
+#include "rbd/algorithm/argument_checks.h"
+#include "rbd/edit/model_copy.h"
 
 namespace rbd {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "rbd/algorithm/inner/stages.h"
+#include "rbd/kernel/forward_passes.h"
 
 namespace rbd::inner {
 

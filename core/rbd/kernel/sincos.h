@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "rbd/algorithm/inner/vec3.h"
+#include "rbd/kernel/vec3.h"
 
 namespace rbd::inner {
 

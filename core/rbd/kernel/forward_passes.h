@@ -1,7 +1,7 @@
 // The steps that several algorithms begin with. Each says what it fills in Scratch.
 #pragma once
 
-#include "rbd/algorithm/joint_kinds.h"
+#include "rbd/kernel/joint_kinds.h"
 
 namespace rbd::inner {
 

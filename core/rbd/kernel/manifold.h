@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rbd/algorithm/inner/sincos.h"
+#include "rbd/kernel/sincos.h"
 #include "rbd/model/model.h"
-#include "rbd/spatial/inner/turn_terms.h"
+#include "rbd/spatial/rotation_series.h"
 #include "rbd/spatial/spatial.h"
 
 namespace rbd::inner {
