@@ -21,6 +21,7 @@
 #include "rbd/algorithm/rnea.h"
 #include "rbd/edit/append_model.h"
 #include "rbd/edit/reduced_model.h"
+#include "rbd/model/friction.h"
 #include "rbd/model/model.h"
 #include "rbd/model/random_tree.h"
 #include "rbd/model/sample_models.h"

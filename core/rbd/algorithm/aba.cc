@@ -115,4 +115,10 @@ void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVec
   ddq = aba(model, data, q, v, tau);
 }
 
+void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+         const ConstVectorRef& tau, const FrameWrenches& wrenches, VectorRef ddq) {
+  inner::checkOut("aba", "ddq", model, ddq, model.nv, "nv");
+  ddq = aba(model, data, q, v, tau, wrenches);
+}
+
 }  // namespace rbd

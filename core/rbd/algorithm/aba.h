@@ -20,5 +20,7 @@ void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVec
 // With wrenches from outside.
 const Eigen::VectorXd& aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
                            const ConstVectorRef& tau, const FrameWrenches& wrenches);
+void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
+         const ConstVectorRef& tau, const FrameWrenches& wrenches, VectorRef ddq);
 
 }  // namespace rbd

@@ -76,7 +76,7 @@ void randomConfiguration(const Model& model, std::mt19937_64& engine, const Cons
   for (const JointModel& joint : model.joints) {
     const int at = joint.idx_q(), nq = joint.nq();
     if (nq == 0) continue;
-    const int unit = nq == joint.nv() ? 0 : joint.manifold() == Manifold::PlanarPose ? 2 : 4;
+    const int unit = joint.unit_part().size;
     const double fallback = joint.manifold() == Manifold::Angles ? PI<double>() : 1;
     for (int k = at; k < at + nq - unit; ++k) q[k] = between(engine, lower[k], upper[k], fallback);
     if (unit == 4) q.segment<4>(at + nq - 4) = randomRotation(engine).coeffs();
@@ -147,6 +147,29 @@ void difference(const Model& model, const ConstVectorRef& q0, const ConstVectorR
       [&](const auto& space, int iq, int iv) {
         space.difference(q0.data() + iq, q1.data() + iq, out.data() + iv);
       });
+}
+
+void coordinateRate(const Model& model, const ConstVectorRef& x, const ConstVectorRef& v, VectorRef out) {
+  inner::checkV("coordinateRate", "x", model, x);
+  inner::checkV("coordinateRate", "v", model, v);
+  inner::checkOut("coordinateRate", "out", model, out, model.nv, "nv");
+  inner::forEachBlock(
+      model,
+      [&](int, int iv, int n) {
+        for (int k = iv; k < iv + n; ++k) out[k] = v[k];
+      },
+      [&](const auto& space, int, int iv) {
+        const Motion along = space.twist(x.data() + iv), rate = space.twist(v.data() + iv);
+        const Motion once = along.cross(rate), twice = along.cross(once);
+        const Vector6d more = 0.5 * once.toVector() + twice.toVector() / 12;
+        space.add(v.data() + iv, more, out.data() + iv);
+      });
+}
+
+Eigen::VectorXd coordinateRate(const Model& model, const ConstVectorRef& x, const ConstVectorRef& v) {
+  Eigen::VectorXd out(model.nv);
+  coordinateRate(model, x, v, out);
+  return out;
 }
 
 Eigen::VectorXd difference(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1) {

@@ -36,6 +36,12 @@ void integrate(const Model& model, const ConstVectorRef& q, const ConstVectorRef
 Eigen::VectorXd difference(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1);
 void difference(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1, VectorRef out);
 
+// The rate of the coordinates x(t) of integrate(q0, x(t)) while the robot moves with v (nv), to second order in x:
+// v + [x, v] / 2 + [x, [x, v]] / 12. It is v itself where velocities are the rates of the numbers in q; `out` may be v.
+// An integrator of order 4 needs no more. Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, 1999.
+Eigen::VectorXd coordinateRate(const Model& model, const ConstVectorRef& x, const ConstVectorRef& v);
+void coordinateRate(const Model& model, const ConstVectorRef& x, const ConstVectorRef& v, VectorRef out);
+
 // integrate(q0, s * difference(q0, q1)): q0 at s = 0, q1 at s = 1.
 Eigen::VectorXd interpolate(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1, double s);
 void interpolate(const Model& model, const ConstVectorRef& q0, const ConstVectorRef& q1, double s,

@@ -37,6 +37,7 @@ Force<double> aboutCentre(const Model& model, const Scratch<double>& s, const Fr
 
 void addWrenchEfforts(const char* function, const Model& model, Data& data, const ConstVectorRef& q,
                       const FrameWrenches& wrenches, double sign, Eigen::VectorXd& tau) {
+  if (wrenches.empty()) return;
   checkWrenches(function, model, wrenches);
   Workspace& work = data.work();
   Scratch<double>& s = work.d;

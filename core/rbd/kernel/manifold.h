@@ -1,5 +1,6 @@
 // The spaces that configurations of joints live in, each with the same few operations on plain arrays. Joint
-// kinds name theirs (model/joint.h). In each, d integrate / d q, d integrate / d v and the like follow from
+// kinds name theirs (model/joint.h). twist(v) is v as a body twist, add(v, w) what moving along it adds to v. d
+// integrate / d q, d integrate / d v and the like follow from
 //   carry(v):    how a change of q arrives at the end of the way v      (Ad(exp v)^-1)
 //   right(v):    how a change of v moves the end                        (right Jacobian), and its inverse
 // Source: Sola, Deray, Atchuthan, A micro Lie theory, 2018.
@@ -52,6 +53,10 @@ using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 
 // Rotations: unit quaternions, velocities in body axes.
 struct RotationSpace {
   static Eigen::Vector3d vec(const double* v) { return {v[0], v[1], v[2]}; }
+  static Motion twist(const double* v) { return {vec(v), Eigen::Vector3d::Zero()}; }
+  static void add(const double* v, const Vector6d& more, double* out) {
+    for (int k = 0; k < 3; ++k) out[k] = v[k] + more[k];
+  }
   static SmallMatrix carry(const double* v) { return exp3(-vec(v)); }
   static SmallMatrix right(const double* v) { return leftJacobian3(-vec(v)); }
   static SmallMatrix rightInverse(const double* v) { return leftJacobian3Inverse(-vec(v)); }
@@ -67,6 +72,10 @@ struct RotationSpace {
 
 // Poses: position and unit quaternion, velocities are body twists.
 struct PoseSpace {
+  static Motion twist(const double* v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
+  static void add(const double* v, const Vector6d& more, double* out) {
+    for (int k = 0; k < 6; ++k) out[k] = v[k] + more[k];
+  }
   static Motion minus(const double* v) { return {{-v[0], -v[1], -v[2]}, {-v[3], -v[4], -v[5]}}; }
   static SmallMatrix carry(const double* v) { return exp6(minus(v)).toActionMatrix(); }
   static SmallMatrix right(const double* v) { return leftJacobian6(minus(v)); }
@@ -90,14 +99,17 @@ struct PoseSpace {
 
 // Poses in a plane: x y cos sin, velocities (vx, vy, w) in body axes. The group of PoseSpace with w along z.
 struct PlanarSpace {
-  // rows and columns of (vx, vy, w) in a 6 x 6 of twists
+  static constexpr int kAxis[] = {3, 4, 2};  // of (vx, vy, w) in a twist
   static SmallMatrix inPlane(const SmallMatrix& all) {
-    const int at[] = {3, 4, 2};
     SmallMatrix out(3, 3);
     for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) out(r, c) = all(at[r], at[c]);
+      for (int c = 0; c < 3; ++c) out(r, c) = all(kAxis[r], kAxis[c]);
     }
     return out;
+  }
+  static Motion twist(const double* v) { return {{0, 0, v[2]}, {v[0], v[1], 0}}; }
+  static void add(const double* v, const Vector6d& more, double* out) {
+    for (int k = 0; k < 3; ++k) out[k] = v[k] + more[kAxis[k]];
   }
   struct Twist {
     explicit Twist(const double* v) : x{0, 0, v[2], v[0], v[1], 0} {}

@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "rbd/kernel/workspace.h"
+#include "rbd/model/friction.h"
 #include "rbd/spatial/vector_ref.h"
 
 namespace rbd::inner {
-
-// Dry friction is friction * tanh(v / this): a joint below it creeps instead of sticking (rad/s or m/s).
-inline constexpr double kFrictionRate = 0.01;
 
 // Inertia of the rotors as the joints see it: nv.
 inline double rotorOf(const Model& model, int k) {
@@ -30,14 +28,13 @@ inline void addFrictionEfforts(const Model& model, const ConstVectorRef& v, doub
                                Eigen::VectorXd& tau) {
   if (model.terms.damping) tau += sign * model.damping.cwiseProduct(v);
   if (!model.terms.friction) return;
-  for (int k = 0; k < model.nv; ++k) tau[k] += sign * model.friction[k] * std::tanh(v[k] / kFrictionRate);
+  for (int k = 0; k < model.nv; ++k) tau[k] += sign * model.friction[k] * std::tanh(v[k] / kSlipSpeed);
 }
 
 // Its slope in v, of dof k.
 inline double frictionSlope(const Model& model, int k, double v) {
-  const double t = std::tanh(v / kFrictionRate);
-  return (model.terms.damping ? model.damping[k] : 0.0) +
-         (model.terms.friction ? model.friction[k] / kFrictionRate * (1 - t * t) : 0.0);
+  return rbd::frictionSlope(model.terms.damping ? model.damping[k] : 0.0,
+                            model.terms.friction ? model.friction[k] : 0.0, v);
 }
 
 }  // namespace rbd::inner

@@ -27,6 +27,21 @@ constexpr KindRow kKinds[] = {
     {nullptr, "FreeFlyer", 7, 6, Manifold::Pose},
 };
 
+// How many of the last numbers of a configuration have length 1.
+int unitSize(Manifold manifold) {
+  switch (manifold) {
+    case Manifold::Angles:
+    case Manifold::Lengths:
+      return 0;
+    case Manifold::Rotation:
+    case Manifold::Pose:
+      return 4;
+    case Manifold::PlanarPose:
+      return 2;
+  }
+  __builtin_unreachable();
+}
+
 const KindRow& row(JointKind kind) { return kKinds[static_cast<int>(kind)]; }
 
 [[noreturn]] void fail(JointKind kind, const std::string& text) {
@@ -68,6 +83,14 @@ std::string JointModel::shortname() const {
     }
   }
   return row(kind_).name;
+}
+
+bool isVectorSpace(Manifold manifold) { return unitSize(manifold) == 0; }
+
+UnitPart JointModel::unit_part() const {
+  const int size = unitSize(manifold());
+  if (size == 0) return {};
+  return {idx_q_ + kind_nq() - size, size, size == 4 ? "quaternion (x, y, z, w)" : "direction (cos, sin)"};
 }
 
 Manifold JointModel::manifold() const { return row(kind_).manifold; }

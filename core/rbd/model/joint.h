@@ -52,6 +52,15 @@ enum class Manifold {
   Pose         // position, unit quaternion
 };
 
+// Whether configurations add like the numbers they are made of: nq = nv, q + v.
+bool isVectorSpace(Manifold manifold);
+
+// The part of a joint's numbers in q that has length 1.
+struct UnitPart {
+  int at = 0, size = 0;   // q[at] .. q[at + size - 1]; size 0: there is none
+  const char* name = "";  // "quaternion (x, y, z, w)", "direction (cos, sin)"
+};
+
 class JointModel {
  public:
   // The joint of the universe. Users build the types below.
@@ -59,6 +68,7 @@ class JointModel {
 
   JointKind kind() const { return kind_; }
   Manifold manifold() const;
+  UnitPart unit_part() const;
   // Unit axis in the joint's frame; zero where a kind has none. Planar: the normal. Universal: the first
   // axis, fixed in the parent; axis2() is fixed in the child.
   const Eigen::Vector3d& axis() const { return axis_; }

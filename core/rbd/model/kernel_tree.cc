@@ -129,16 +129,14 @@ void Model::renumber() {
 
 void Model::appendBlock(const JointModel& joint) {
   if (joint.nv() == 0) return;
-  const auto plain = [](Manifold m) { return m == Manifold::Angles || m == Manifold::Lengths; };
   std::vector<ConfigurationBlock>& blocks = tree_.blocks;
-  if (plain(joint.manifold()) && !blocks.empty() && plain(blocks.back().manifold)) {
+  if (isVectorSpace(joint.manifold()) && !blocks.empty() && isVectorSpace(blocks.back().manifold)) {
     blocks.back().nv += joint.nv();
     return;
   }
   ConfigurationBlock block{joint.manifold(), joint.idx_q(), joint.idx_v(), joint.nv()};
-  if (block.manifold == Manifold::Rotation || block.manifold == Manifold::Pose) block.unit_size = 4;
-  if (block.manifold == Manifold::PlanarPose) block.unit_size = 2;
-  block.unit_at = joint.idx_q() + joint.nq() - block.unit_size;
+  block.unit_at = joint.unit_part().at;
+  block.unit_size = joint.unit_part().size;
   blocks.push_back(block);
 }
 

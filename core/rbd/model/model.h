@@ -36,12 +36,12 @@ struct Mimic {
 };
 
 // Which effects of the joints' mechanics are part of the dynamics:
-//   tau = (M + rotors) a + nle,   nle = bias + damping v + friction tanh(v / 0.01)
+//   tau = (M + rotors) a + nle,   nle = bias + damping v + friction tanh(v / kSlipSpeed) (friction.h)
 struct JointTerms {
   bool armature = true;   // Model::armature, in M
   bool rotor = true;      // rotorGearRatio^2 rotorInertia, in M
   bool damping = false;   // in rnea, nonLinearEffects, aba and their derivatives
-  bool friction = false;  // the same; smoothed below 0.01 rad/s or m/s
+  bool friction = false;  // the same; smoothed below kSlipSpeed
 };
 
 class Model {

@@ -124,6 +124,30 @@ TEST(Configuration, DerivativesOfIntegrateAndDifference) {
   }
 }
 
+// The exact rate is the inverse right Jacobian times v. The series that is cut off goes on with [x, [x, [x, [x, v]]]] /
+// 720, and a bracket is at most 2 |x| long: 16 |x|^4 |v| / 720 and what follows.
+TEST(Configuration, CoordinateRateIsTheInverseRightJacobianUpToFourthOrder) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Model model = testing::randomTree(seed, 15, seed % 2 == 0);
+    const testing::State s = testing::randomState(model, seed);
+    for (const double size : {1.0, 0.1, 1e-3}) {
+      const Eigen::VectorXd x = size / s.v.norm() * s.v;
+      const Eigen::VectorXd rate = coordinateRate(model, x, s.a);
+      const Eigen::VectorXd back = dIntegrate(model, s.q, x, ARG1) * rate;
+      EXPECT_LE((back - s.a).norm(), (std::pow(size, 4) / 40 + 32 * kEps) * s.a.norm())
+          << seed << " " << size;
+      Eigen::VectorXd in_place = s.a;
+      coordinateRate(model, x, in_place, in_place);
+      EXPECT_EQ(in_place, rate);
+    }
+  }
+  Model arm;  // velocities are the rates of the angles
+  buildModels::manipulator(arm);
+  const testing::State s = testing::randomState(arm, 1);
+  EXPECT_EQ(coordinateRate(arm, s.v, s.a), s.a);
+  EXPECT_THROW(coordinateRate(arm, s.v.head(2), s.a), std::invalid_argument);
+}
+
 TEST(Configuration, DistanceAndSameness) {
   const Model model = testing::randomTree(4, 12, true);
   const testing::State s = testing::randomState(model, 4), t = testing::randomState(model, 5);

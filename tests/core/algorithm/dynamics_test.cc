@@ -121,10 +121,33 @@ TEST_P(Dynamics, OutputTwinsAgree) {
   EXPECT_EQ(distance(x, data.g), 0);
   aba(model, data, s.q, s.v, s.tau, x);
   EXPECT_EQ(distance(x, data.ddq), 0);
+  const FrameWrenches push = {{1, Force(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)), LOCAL}};
+  aba(model, data, s.q, s.v, s.tau, push, x);
+  EXPECT_EQ(distance(x, data.ddq), 0);
+  EXPECT_EQ(distance(x, aba(model, data, s.q, s.v, s.tau, push)), 0);
+  aba(model, data, s.q, s.v, s.tau, {}, x);
+  EXPECT_EQ(distance(x, aba(model, data, s.q, s.v, s.tau)), 0);
   crba(model, data, s.q, M);
   EXPECT_EQ(distance(M, data.M), 0);
   computeMinverse(model, data, s.q, M);
   EXPECT_EQ(distance(M, data.Minv), 0);
+}
+
+TEST_P(Dynamics, FrictionIsWhatTheTermsAdd) {
+  const Eigen::VectorXd v = 0.02 * s.v;  // where tanh bends
+  const Eigen::VectorXd bias = nonLinearEffects(model, data, s.q, v);
+  model.damping.setConstant(0.7);
+  model.friction.setConstant(0.3);
+  EXPECT_EQ(nonLinearEffects(model, data, s.q, v), bias);
+  model.terms.damping = model.terms.friction = true;
+  Eigen::VectorXd with = bias;
+  const double h = 1e-6;
+  for (int k = 0; k < model.nv; ++k) {
+    with[k] += frictionEffort(0.7, 0.3, v[k]);
+    const double slope = (frictionEffort(0.7, 0.3, v[k] + h) - frictionEffort(0.7, 0.3, v[k] - h)) / (2 * h);
+    EXPECT_NEAR(frictionSlope(0.7, 0.3, v[k]), slope, 1e-5);  // h^2 / 6 of 0.3 * 2 / kSlipSpeed^3
+  }
+  EXPECT_LE(distance(nonLinearEffects(model, data, s.q, v), with), 4 * kEps);
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, Dynamics, ::testing::Range(0, 12));

@@ -65,6 +65,7 @@ TEST(NoAllocation, AfterConstruction) {
   EXPECT_EQ(0, count([&] { integrate(model, s.q, s.v, q); }));
   EXPECT_EQ(0, count([&] { difference(model, s.q, q, x); }));
   EXPECT_EQ(0, count([&] { interpolate(model, s.q, q, 0.3, q); }));
+  EXPECT_EQ(0, count([&] { coordinateRate(model, s.v, s.a, x); }));
   EXPECT_EQ(0, count([&] { neutral(model, q); }));
   EXPECT_EQ(0, count([&] { randomConfiguration(model, engine, q); }));
 
@@ -72,7 +73,7 @@ TEST(NoAllocation, AfterConstruction) {
       C(6, model.nv);
   const FrameWrenches push = {{3, Force(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)), LOCAL}};
   EXPECT_EQ(0, count([&] { rnea(model, data, s.q, s.v, s.a, push); }));
-  EXPECT_EQ(0, count([&] { aba(model, data, s.q, s.v, s.tau, push); }));
+  EXPECT_EQ(0, count([&] { aba(model, data, s.q, s.v, s.tau, push, x); }));
   EXPECT_EQ(0, count([&] { computeStaticTorque(model, data, s.q, push); }));
   EXPECT_EQ(0, count([&] { computeCoriolisMatrix(model, data, s.q, s.v, M); }));
   EXPECT_EQ(0, count([&] { computeRNEADerivatives(model, data, s.q, s.v, s.a, M, N); }));

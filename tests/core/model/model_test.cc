@@ -236,6 +236,25 @@ TEST(Model, SettersReachTheKernels) {
   EXPECT_THROW(moved.setJointPlacement(0, SE3()), std::invalid_argument);
 }
 
+// What length 1 belongs to is found by asking which numbers normalize changes.
+TEST(Model, UnitPartsAreWhatNormalizeChanges) {
+  Model model;
+  const JointModel kinds[] = {JointModelSpherical(), JointModelRX(),          JointModelPlanar(),
+                              JointModelFreeFlyer(), JointModelTranslation(), JointModelContinuous(0, 0, 1)};
+  for (const JointModel& kind : kinds) model.addJoint(0, kind, SE3(), "j" + std::to_string(model.njoints));
+  const Eigen::VectorXd twos = Eigen::VectorXd::Constant(model.nq, 2);
+  Eigen::VectorXd q = twos;
+  normalize(model, q);
+  for (const JointModel& joint : model.joints) {
+    const UnitPart unit = joint.unit_part();
+    for (int k = joint.idx_q(); k < joint.idx_q() + joint.nq(); ++k) {
+      EXPECT_EQ(q[k] != 2, k >= unit.at && k < unit.at + unit.size) << joint.shortname() << " " << k;
+    }
+    EXPECT_EQ(isVectorSpace(joint.manifold()), unit.size == 0);
+    EXPECT_EQ(isVectorSpace(joint.manifold()), joint.nq() == joint.nv());
+  }
+}
+
 TEST(Model, CopiesAreIndependent) {
   const Model model = lessonArm();
   Model copy = model;
