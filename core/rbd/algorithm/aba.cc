@@ -11,50 +11,50 @@ namespace rbd {
 namespace inner {
 
 // Featherstone 2008, table 7.1, in world axes, so that inertias and forces of children simply add to their
-// parent's. s.column[k] is the table's S, dof by dof. Changes:
+// parent's. s.S[k] is the table's S, dof by dof. Changes:
 // - pass 1 also finds the acceleration a that velocities and gravity alone would give (all qdd = 0), and f,
 //   the force it takes: the table's pA plus I a. Passes 2 and 3 work relative to it: no term Ia c, and pass
 //   3 starts from 0 instead of minus gravity;
 // - D holds the rotor of the dof too; forces from outside are in tau already, as J' f;
 // - the dofs of one joint are eliminated one by one, as if massless bodies stood between them.
-template <class S>
-int abaKernel(const Model& model, const double* rotor, Scratch<S>& s, const S* q, const S* qd, const S* tau,
-              S* qdd, S& D) {
+template <class Scalar>
+int abaKernel(const Model& model, const double* rotor, Scratch<Scalar>& s, const Scalar* q, const Scalar* qd,
+              const Scalar* tau, Scalar* qdd, Scalar& D) {
   const Joints& joints = model.tree().joints;
   const int n = model.tree().size();
   sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
 
   // pass 1, outward: velocities, accelerations at qdd = 0, and the force f they take
-  s.v[0] = Motion<S>::zero();
-  s.a[0] = {Vec3<S>::zero(), -gravity<S>(model)};
+  s.v[0] = SpatialMotion<Scalar>::zero();
+  s.a[0] = {Vec3<Scalar>::zero(), -gravity<Scalar>(model)};
   for (int i = 1; i < n; ++i) {
     const PackedJoint& joint = joints[i];
-    worldColumns(joint, i, s);
-    const Motion<S> vJ = jointMotion(joint, qd, s);
+    worldSubspace(joint, i, s);
+    const SpatialMotion<Scalar> vJ = jointMotion(joint, qd, s);
     s.v[i] = s.v[joint.parent] + vJ;
     s.a[i] = s.a[joint.parent] + cross(s.v[joint.parent], vJ);  // = v[i] x vJ, as vJ x vJ = 0
-    const RigidInertia<S> I = worldInertia(joint, s.R[i], s.p[i]);
+    const RigidInertia<Scalar> I = worldInertia(joint, s.R[i], s.p[i]);
     s.f[i] = I * s.a[i] + crossForce(s.v[i], I * s.v[i]);
-    s.IA[i] = ArticulatedInertia<S>::rigid(I);
+    s.IA[i] = ArticulatedInertia<Scalar>::rigid(I);
   }
 
   // pass 2, inward. articulate: U = IA S, D = S' U + rotor, then the lambda, then IA -= U U' / D (the table's
   // Ia), and IA and f onto the parent. The lambda, per dof: u, and what it adds to f (the table's pa)
   const int singular_dof = articulate(joints, rotor, s, D, [&](int i, int k) {
-    s.u[k] = tau[k] - dot(s.column[k], s.f[i]);
+    s.u[k] = tau[k] - dot(s.S[k], s.f[i]);
     s.f[i] = s.f[i] + s.U[k] * (s.u[k] * s.inverseD[k]);
   });
   if (singular_dof >= 0) return singular_dof;
 
   // pass 3, outward: accelerations, relative to those of pass 1
-  s.a[0] = Motion<S>::zero();
+  s.a[0] = SpatialMotion<Scalar>::zero();
   for (int i = 1; i < n; ++i) {
     const PackedJoint& joint = joints[i];
     s.a[i] = s.a[joint.parent];
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
       qdd[k] = (s.u[k] - dot(s.a[i], s.U[k])) * s.inverseD[k];
-      s.a[i] = s.a[i] + s.column[k] * qdd[k];
+      s.a[i] = s.a[i] + s.S[k] * qdd[k];
     }
   }
   return -1;
@@ -85,8 +85,8 @@ const Eigen::VectorXd& solveMotion(const Model& model, Data& data, const ConstVe
   // nothing mimics: the tree's q, v and tau are the user's; friction takes its part of tau
   inner::addFrictionEfforts(model, v, -1, work.effort);
   double D = 0;
-  const int singular_dof = inner::abaKernel(model, inner::rotors(model, work), work.d, q.data(), v.data(),
-                                            work.effort.data(), data.ddq.data(), D);
+  const int singular_dof = inner::abaKernel(model, inner::rotors(model, work), work.scratch, q.data(),
+                                            v.data(), work.effort.data(), data.ddq.data(), D);
   if (singular_dof >= 0) inner::failSingular("aba", model, singular_dof, D);
   inner::checkResult("aba", model, data.ddq);
   return data.ddq;

@@ -26,7 +26,7 @@ void carriedMasses(const Model& model, Scratch<double>& s) {
 
 // What moving dof k with rate 1 gives to the first moment of everything behind it.
 Vec momentRate(const Scratch<double>& s, int body, int k) {
-  return s.column[k].v * s.I[body].m + cross(s.column[k].w, s.I[body].h);
+  return s.S[k].v * s.I[body].m + cross(s.S[k].w, s.I[body].h);
 }
 
 // Velocity and acceleration of the point c of body i, from the centre.
@@ -75,10 +75,10 @@ void computeSubtreeCentersOfMass(const Model& model, Data& data, const ConstVect
                                  const ConstVectorRef& v, const ConstVectorRef& a) {
   centerOfMass(model, data, q, v, a);
   inner::Workspace& work = data.work();
-  Scratch<double>& s = work.d;
+  Scratch<double>& s = work.scratch;
   const Joints& joints = model.tree().joints;
-  inner::motionRates(joints, inner::treeV(model, work.v, v), inner::treeV(model, work.a, a),
-                     inner::Motion<double>::zero(), s);
+  inner::motionRates(joints, inner::expandV(model, work.v, v), inner::expandV(model, work.a, a),
+                     inner::SpatialMotion<double>::zero(), s);
   carriedMasses(model, s);
   // f[i]: rates of the first moment of what body i carries (f: first, n: second)
   for (int i = 1; i < model.tree().size(); ++i) {
@@ -114,17 +114,17 @@ const PaddedMatrix& jacobianCenterOfMass(const Model& model, Data& data, const C
   inner::checkInputs("jacobianCenterOfMass", model, data, q);
   inner::worldPosesOf(model, data, q);
   inner::storeCom("jacobianCenterOfMass", model, data);
-  Scratch<double>& s = data.work().d;
+  Scratch<double>& s = data.work().scratch;
   const Joints& joints = model.tree().joints;
-  double* const out = inner::treeOut(model, data.work().Jcom, data.Jcom);
+  double* const out = inner::kernelOutput(model, data.work().Jcom, data.Jcom);
   carriedMasses(model, s);
   for (int i = 1; i < model.tree().size(); ++i) {
-    worldColumns(joints[i], i, s);
+    worldSubspace(joints[i], i, s);
     for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) {
       (momentRate(s, i, k) * (1 / data.mass[0])).storeU(out + 8 * k);
     }
   }
-  inner::gatherColumns(model, data.work().Jcom, data.Jcom);
+  inner::collapseColumns(model, data.work().Jcom, data.Jcom);
   return data.Jcom;
 }
 
@@ -143,10 +143,10 @@ void jacobianSubtreeCenterOfMass(const Model& model, Data& data, const ConstVect
     return;
   }
   inner::worldPosesOf(model, data, q);
-  Scratch<double>& s = data.work().d;
+  Scratch<double>& s = data.work().scratch;
   const KernelTree& tree = model.tree();
   carriedMasses(model, s);
-  inner::worldColumns(tree.joints, s);
+  inner::worldSubspaces(tree.joints, s);
   J.setZero();
   const int top = tree.bodyOf[joint];
   if (!(s.I[top].m > 0)) return;

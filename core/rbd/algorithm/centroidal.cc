@@ -9,7 +9,7 @@ namespace {
 using inner::Joints;
 using inner::Scratch;
 using Vec = inner::Vec3<double>;
-using Wrench = inner::Force<double>;
+using Wrench = inner::SpatialForce<double>;
 
 // The same wrench about the point c.
 Force about(const Vec& c, const Wrench& x) {
@@ -28,7 +28,7 @@ void storeColumn(const Wrench& x, double* out) {
 
 // dI/dt = v x* I - I v x, of a body that moves with v: an inertia without mass.
 inner::RigidInertia<double> inertiaRate(const inner::RigidInertia<double>& I,
-                                        const inner::Motion<double>& v) {
+                                        const inner::SpatialMotion<double>& v) {
   const double hu = dot(I.h, v.v);
   const auto column = [&](const Vec& Ik, int k, const Vec& e) {
     return cross(v.w, Ik) - I.I * cross(v.w, e) - I.h * v.v[k] - v.v * I.h[k] + e * (2 * hu);
@@ -87,20 +87,20 @@ const PaddedMatrix& computeCentroidalMap(const Model& model, Data& data, const C
   inner::checkInputs("computeCentroidalMap", model, data, q);
   inner::worldPosesOf(model, data, q);
   const Vec com = inner::storeCom("computeCentroidalMap", model, data);
-  Scratch<double>& s = data.work().d;
+  Scratch<double>& s = data.work().scratch;
   const Joints& joints = model.tree().joints;
-  double* const Ag = inner::treeOut(model, data.work().Ag, data.Ag);
-  worldColumns(joints, s);
+  double* const Ag = inner::kernelOutput(model, data.work().Ag, data.Ag);
+  worldSubspaces(joints, s);
   worldInertias(joints, s);
   s.I[0] = inner::RigidInertia<double>{};
   for (int i = model.tree().size() - 1; i > 0; --i) {
     for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) {
-      const Wrench h = s.I[i] * s.column[k];
+      const Wrench h = s.I[i] * s.S[k];
       storeColumn({h.n - cross(com, h.f), h.f}, Ag + 8 * k);
     }
     s.I[joints[i].parent] = s.I[joints[i].parent] + s.I[i];
   }
-  inner::gatherColumns(model, data.work().Ag, data.Ag);
+  inner::collapseColumns(model, data.work().Ag, data.Ag);
   return data.Ag;
 }
 
@@ -122,25 +122,26 @@ const PaddedMatrix& computeCentroidalMapTimeVariation(const Model& model, Data& 
                                                       const ConstVectorRef& v) {
   ccrba(model, data, q, v);
   inner::Workspace& work = data.work();
-  Scratch<double>& s = work.d;
+  Scratch<double>& s = work.scratch;
   const Joints& joints = model.tree().joints;
   const Vec com = inner::fromEigen(data.com[0]) - s.centre,
             vcom = inner::fromEigen(data.hg.linear() / data.mass[0]);
   data.vcom[0] = inner::toEigen(vcom);
-  double* const dAg = inner::treeOut(model, work.Ag, data.dAg);
-  inner::motionRates(joints, inner::treeV(model, work.v, v), nullptr, inner::Motion<double>::zero(), s);
+  double* const dAg = inner::kernelOutput(model, work.Ag, data.dAg);
+  inner::motionRates(joints, inner::expandV(model, work.v, v), nullptr, inner::SpatialMotion<double>::zero(),
+                     s);
   worldInertias(joints, s);
   for (int i = 1; i < model.tree().size(); ++i) s.dI[i] = inertiaRate(s.I[i], s.v[i]);
   s.I[0] = s.dI[0] = inner::RigidInertia<double>{};
   for (int i = model.tree().size() - 1; i > 0; --i) {
     for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) {
-      const Wrench h = s.I[i] * s.column[k], dh = s.dI[i] * s.column[k] + s.I[i] * s.rate[k];
+      const Wrench h = s.I[i] * s.S[k], dh = s.dI[i] * s.S[k] + s.I[i] * s.Sd[k];
       storeColumn({dh.n - cross(vcom, h.f) - cross(com, dh.f), dh.f}, dAg + 8 * k);
     }
     s.I[joints[i].parent] = s.I[joints[i].parent] + s.I[i];
     s.dI[joints[i].parent] = s.dI[joints[i].parent] + s.dI[i];
   }
-  inner::gatherColumns(model, work.Ag, data.dAg);
+  inner::collapseColumns(model, work.Ag, data.dAg);
   return data.dAg;
 }
 

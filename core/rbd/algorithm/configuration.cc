@@ -42,9 +42,9 @@ void forEachDifference(const char* function, const Model& model, const ConstVect
         for (int k = iq; k < iq + n; ++k) f(q1[k] - q0[k]);
       },
       [&](const auto& space, int iq, int) {
-        double way[6] = {0, 0, 0, 0, 0, 0};
-        space.difference(q0.data() + iq, q1.data() + iq, way);
-        for (const double x : way) f(x);
+        double d[6] = {0, 0, 0, 0, 0, 0};
+        space.difference(q0.data() + iq, q1.data() + iq, d);
+        for (const double x : d) f(x);
       });
 }
 
@@ -189,10 +189,10 @@ void interpolate(const Model& model, const ConstVectorRef& q0, const ConstVector
         for (int k = iq; k < iq + n; ++k) out[k] = q0[k] + s * (q1[k] - q0[k]);
       },
       [&](const auto& space, int iq, int) {
-        double way[6] = {0, 0, 0, 0, 0, 0};
-        space.difference(q0.data() + iq, q1.data() + iq, way);
-        for (double& x : way) x *= s;
-        space.integrate(q0.data() + iq, way, out.data() + iq);
+        double d[6] = {0, 0, 0, 0, 0, 0};
+        space.difference(q0.data() + iq, q1.data() + iq, d);
+        for (double& x : d) x *= s;
+        space.integrate(q0.data() + iq, d, out.data() + iq);
       });
 }
 
@@ -246,7 +246,7 @@ void dIntegrate(const Model& model, const ConstVectorRef& q, const ConstVectorRe
       model, [](int, int, int) {},
       [&](const auto& space, int, int iv) {
         const inner::SmallMatrix block =
-            argument == ARG0 ? space.carry(v.data() + iv) : space.right(v.data() + iv);
+            argument == ARG0 ? space.adjointInverse(v.data() + iv) : space.rightJacobian(v.data() + iv);
         J.block(iv, iv, block.rows(), block.cols()) = block;
       });
 }
@@ -273,7 +273,7 @@ void dDifference(const Model& model, const ConstVectorRef& q0, const ConstVector
         double d[6] = {0, 0, 0, 0, 0, 0};
         space.difference(q0.data() + iq, q1.data() + iq, d);
         for (double& x : d) x *= sign;
-        const inner::SmallMatrix block = sign * space.rightInverse(d);
+        const inner::SmallMatrix block = sign * space.rightJacobianInverse(d);
         J.block(iv, iv, block.rows(), block.cols()) = block;
       });
 }

@@ -16,7 +16,7 @@ void coriolisKernel(const Model& model, const int* dof_parent, Scratch<double>& 
   const int nv = model.tree().nv;
   sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
-  motionRates(joints, qd, nullptr, Motion<double>::zero(), s);
+  motionRates(joints, qd, nullptr, SpatialMotion<double>::zero(), s);
   for (int i = 1; i < model.tree().size(); ++i) {
     s.I[i] = worldInertia(joints[i], s.R[i], s.p[i]);
     s.B[i] = CoriolisInertia<double>::of(s.I[i], s.v[i]);
@@ -29,14 +29,14 @@ void coriolisKernel(const Model& model, const int* dof_parent, Scratch<double>& 
     const PackedJoint& joint = joints[i];
     const auto at = [&](int row, int column) -> double& { return C[column * stride + row]; };
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
-      const Motion<double>& S = s.column[k];
-      const Force<double> momentum = s.I[i] * S;                    // of everything behind, along dof k
-      const Force<double> force = s.I[i] * s.rate[k] + s.B[i] * S;  // that the rate of dof k asks for
-      const Force<double> back = s.B[i].transposeTimes(S);
-      for (int l = joint.idx_v; l < joint.idx_v + joint.nv; ++l) at(l, k) = dot(s.column[l], force);
+      const SpatialMotion<double>& S = s.S[k];
+      const SpatialForce<double> momentum = s.I[i] * S;                  // of everything behind, along dof k
+      const SpatialForce<double> force = s.I[i] * s.Sd[k] + s.B[i] * S;  // that the rate of dof k asks for
+      const SpatialForce<double> back = s.B[i].transposeTimes(S);
+      for (int l = joint.idx_v; l < joint.idx_v + joint.nv; ++l) at(l, k) = dot(s.S[l], force);
       for (int l = dof_parent[joint.idx_v]; l >= 0; l = dof_parent[l]) {
-        at(l, k) = dot(s.column[l], force);
-        at(k, l) = dot(s.rate[l], momentum) + dot(s.column[l], back);
+        at(l, k) = dot(s.S[l], force);
+        at(k, l) = dot(s.Sd[l], momentum) + dot(s.S[l], back);
       }
     }
     s.I[joint.parent] = s.I[joint.parent] + s.I[i];
@@ -51,9 +51,10 @@ const PaddedMatrix& computeCoriolisMatrix(const Model& model, Data& data, const 
                                           const ConstVectorRef& v) {
   inner::checkInputs("computeCoriolisMatrix", model, data, q, "v", v);
   inner::Workspace& work = data.work();
-  inner::coriolisKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
-                        inner::treeV(model, work.v, v), inner::treeOut(model, work.M, data.C), work.stride);
-  inner::gatherBothSides(model, work.M, data.C);
+  inner::coriolisKernel(model, work.dofParent.data(), work.scratch, inner::expandQ(model, work, q),
+                        inner::expandV(model, work.v, v), inner::kernelOutput(model, work.M, data.C),
+                        work.stride);
+  inner::collapseBothSides(model, work.M, data.C);
   return data.C;
 }
 

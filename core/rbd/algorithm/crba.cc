@@ -10,29 +10,30 @@ namespace inner {
 
 // Featherstone 2008, table 6.2, written in world axes: composite inertias add without any transform, and one
 // force F serves all ancestors. Entry (l, k) is the force along dof l that accelerating dof k asks for; it is
-// zero where neither dof carries the other. s.column[k] is the table's S, dof by dof; dof_parent[k] its
+// zero where neither dof carries the other. s.S[k] is the table's S, dof by dof; dof_parent[k] its
 // lambda: the next dof inward of k, in the same joint or an ancestor's, -1: none.
-template <class S>
-void crbaKernel(const Model& model, const int* dof_parent, Scratch<S>& s, const S* q, S* M, int stride) {
+template <class Scalar>
+void crbaKernel(const Model& model, const int* dof_parent, Scratch<Scalar>& s, const Scalar* q, Scalar* M,
+                int stride) {
   const Joints& joints = model.tree().joints;
   const int nv = model.tree().nv;
   sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
-  worldColumns(joints, s);
+  worldSubspaces(joints, s);
   worldInertias(joints, s);
   for (int k = 0; k < nv; ++k) {
-    for (int l = 0; l < nv; ++l) M[k * stride + l] = S(0);
+    for (int l = 0; l < nv; ++l) M[k * stride + l] = Scalar(0);
   }
 
-  s.I[0] = RigidInertia<S>{};  // sums up too, never read
+  s.I[0] = RigidInertia<Scalar>{};  // sums up too, never read
   for (int i = model.tree().size() - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
     // by now I[i] is the table's Ic: body i and everything beyond it
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
-      const Force<S> F = s.I[i] * s.column[k];
-      M[k * stride + k] = dot(s.column[k], F);
+      const SpatialForce<Scalar> F = s.I[i] * s.S[k];
+      M[k * stride + k] = dot(s.S[k], F);
       for (int l = dof_parent[k]; l >= 0; l = dof_parent[l]) {
-        M[k * stride + l] = M[l * stride + k] = dot(s.column[l], F);
+        M[k * stride + l] = M[l * stride + k] = dot(s.S[l], F);
       }
     }
     s.I[joint.parent] = s.I[joint.parent] + s.I[i];
@@ -48,10 +49,10 @@ template void crbaKernel(const Model&, const int*, Scratch<long double>&, const 
 const PaddedMatrix& crba(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("crba", model, data, q);
   inner::Workspace& work = data.work();
-  // treeX, gather: through the map of mimic joints (kernel/mimic.h); nothing to do if nothing mimics
-  inner::crbaKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
-                    inner::treeOut(model, work.M, data.M), work.stride);
-  inner::gatherBothSides(model, work.M, data.M);
+  // expand, collapse: the map of mimic joints (kernel/mimic.h); nothing to do if nothing mimics
+  inner::crbaKernel(model, work.dofParent.data(), work.scratch, inner::expandQ(model, work, q),
+                    inner::kernelOutput(model, work.M, data.M), work.stride);
+  inner::collapseBothSides(model, work.M, data.M);
   for (int k = 0; k < model.nv; ++k) data.M(k, k) += inner::rotorOf(model, k);
   return data.M;
 }

@@ -15,9 +15,9 @@ struct Derivatives {
   int stride;
 };
 
-// Singh, Russell, Wensing 2022, in world axes. With I, B, F of everything behind joint i (motion_rates.h has
-// rate, rest and rest2), moving dof l behind or in joint i's own body changes the forces there by
-//   I rest2_l + 2 B rest_l + S_l x* F,    its rate by    I (rate_l + rest_l) + 2 B S_l.
+// Singh, Russell, Wensing 2022, in world axes. With I, B, F of everything behind joint i (motion_rates.h
+// has Sd, Psid, Psidd), moving dof l behind or in joint i's own body changes the forces there by
+//   I Psidd_l + 2 B Psid_l + S_l x* F,    its rate by    I (Sd_l + Psid_l) + 2 B S_l.
 // Seen from a joint that l itself carries, the last force term is mere carrying along and drops out.
 void rneaDerivativesKernel(const Model& model, const int* dof_parent, Scratch<double>& s, const double* q,
                            const double* qd, const double* qdd, const Derivatives& out) {
@@ -38,26 +38,27 @@ void rneaDerivativesKernel(const Model& model, const int* dof_parent, Scratch<do
 
   s.I[0] = RigidInertia<double>{};
   s.B[0] = CoriolisInertia<double>{};
-  s.f[0] = Force<double>::zero();
+  s.f[0] = SpatialForce<double>::zero();
   for (int i = model.tree().size() - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
     const int end = joint.idx_v + joint.nv;
     for (int k = joint.idx_v; k < end; ++k) {
-      const Motion<double>& S = s.column[k];
+      const SpatialMotion<double>& S = s.S[k];
       // row k: how the effort of dof k answers to the dofs that carry it, and to those of its own joint
-      const Force<double> inertia = s.I[i] * S, coriolis = s.B[i].transposeTimes(S) * 2.0;
+      const SpatialForce<double> inertia = s.I[i] * S, coriolis = s.B[i].transposeTimes(S) * 2.0;
       const auto row = [&](int l) {
-        out.dq[l * out.stride + k] = dot(s.rest2[l], inertia) + dot(s.rest[l], coriolis);
-        out.dv[l * out.stride + k] = dot(s.rate[l] + s.rest[l], inertia) + dot(s.column[l], coriolis);
+        out.dq[l * out.stride + k] = dot(s.Psidd[l], inertia) + dot(s.Psid[l], coriolis);
+        out.dv[l * out.stride + k] = dot(s.Sd[l] + s.Psid[l], inertia) + dot(s.S[l], coriolis);
       };
       for (int l = joint.idx_v; l < end; ++l) row(l);
       // column k: how the efforts of those that carry it answer to dof k
-      const Force<double> by_q = s.I[i] * s.rest2[k] + s.B[i] * s.rest[k] * 2.0 + crossForce(S, s.f[i]);
-      const Force<double> by_v = s.I[i] * (s.rate[k] + s.rest[k]) + s.B[i] * S * 2.0;
+      const SpatialForce<double> by_q =
+          s.I[i] * s.Psidd[k] + s.B[i] * s.Psid[k] * 2.0 + crossForce(S, s.f[i]);
+      const SpatialForce<double> by_v = s.I[i] * (s.Sd[k] + s.Psid[k]) + s.B[i] * S * 2.0;
       for (int l = dof_parent[joint.idx_v]; l >= 0; l = dof_parent[l]) {
         row(l);
-        out.dq[k * out.stride + l] = dot(s.column[l], by_q);
-        out.dv[k * out.stride + l] = dot(s.column[l], by_v);
+        out.dq[k * out.stride + l] = dot(s.S[l], by_q);
+        out.dv[k * out.stride + l] = dot(s.S[l], by_v);
       }
     }
     s.I[joint.parent] = s.I[joint.parent] + s.I[i];
@@ -109,12 +110,12 @@ void computeRNEADerivatives(const Model& model, Data& data, const ConstVectorRef
                             const ConstVectorRef& a) {
   inner::checkInputs("computeRNEADerivatives", model, data, q, "v", v, "a", a);
   inner::Workspace& work = data.work();
-  const inner::Derivatives out = {inner::treeOut(model, work.M, data.dtau_dq),
-                                  inner::treeOut(model, work.M2, data.dtau_dv), work.stride};
-  inner::rneaDerivativesKernel(model, work.dofParent.data(), work.d, inner::treeQ(model, work, q),
-                               inner::treeV(model, work.v, v), inner::treeV(model, work.a, a), out);
-  inner::gatherBothSides(model, work.M, data.dtau_dq);
-  inner::gatherBothSides(model, work.M2, data.dtau_dv);
+  const inner::Derivatives out = {inner::kernelOutput(model, work.M, data.dtau_dq),
+                                  inner::kernelOutput(model, work.M2, data.dtau_dv), work.stride};
+  inner::rneaDerivativesKernel(model, work.dofParent.data(), work.scratch, inner::expandQ(model, work, q),
+                               inner::expandV(model, work.v, v), inner::expandV(model, work.a, a), out);
+  inner::collapseBothSides(model, work.M, data.dtau_dq);
+  inner::collapseBothSides(model, work.M2, data.dtau_dv);
   inner::addFrictionSlopes(model, v, data.dtau_dv);
 }
 

@@ -9,7 +9,7 @@ double computeKineticEnergy(const Model& model, Data& data, const ConstVectorRef
                             const ConstVectorRef& v) {
   inner::checkInputs("computeKineticEnergy", model, data, q, "v", v);
   inner::worldPosesOf(model, data, q);
-  inner::Scratch<double>& s = data.work().d;
+  inner::Scratch<double>& s = data.work().scratch;
   inner::momentum(model, data, v, nullptr);
   double twice = 0;
   for (int i = 1; i < model.tree().size(); ++i) {
@@ -22,7 +22,7 @@ double computeKineticEnergy(const Model& model, Data& data, const ConstVectorRef
 double computePotentialEnergy(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("computePotentialEnergy", model, data, q);
   inner::worldPosesOf(model, data, q);
-  const inner::Scratch<double>& s = data.work().d;
+  const inner::Scratch<double>& s = data.work().scratch;
   const inner::Sum sum = inner::firstMoment(model, s);
   return data.potential_energy = -dot(inner::gravity<double>(model), sum.moment + s.centre * sum.mass);
 }

@@ -8,21 +8,21 @@ namespace inner {
 
 // What rneaKernel gives for v = a = 0, in world axes. Here f is the pull of gravity, (c x m g, m g) summed
 // over what the joint carries; the joints must hold against it, hence the minus.
-template <class S>
-void gravityKernel(const Model& model, Scratch<S>& s, const S* q, S* tau) {
+template <class Scalar>
+void gravityKernel(const Model& model, Scratch<Scalar>& s, const Scalar* q, Scalar* tau) {
   const Joints& joints = model.tree().joints;
   sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
-  const Vec3<S> g = gravity<S>(model);
-  s.f[0] = Force<S>::zero();
+  const Vec3<Scalar> g = gravity<Scalar>(model);
+  s.f[0] = SpatialForce<Scalar>::zero();
   for (int i = 1; i < model.tree().size(); ++i) {
-    worldColumns(joints[i], i, s);
-    const Vec3<S> c = s.p[i] + times(s.R[i], joints[i].com);
-    const Vec3<S> f = g * S(joints[i].mass);
+    worldSubspace(joints[i], i, s);
+    const Vec3<Scalar> c = s.p[i] + times(s.R[i], joints[i].com);
+    const Vec3<Scalar> f = g * Scalar(joints[i].mass);
     s.f[i] = {cross(c, f), f};
   }
   for (int i = model.tree().size() - 1; i > 0; --i) {
-    for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) tau[k] = -dot(s.column[k], s.f[i]);
+    for (int k = joints[i].idx_v; k < joints[i].idx_v + joints[i].nv; ++k) tau[k] = -dot(s.S[k], s.f[i]);
     s.f[joints[i].parent] = s.f[joints[i].parent] + s.f[i];
   }
 }
@@ -35,8 +35,9 @@ template void gravityKernel(const Model&, Scratch<long double>&, const long doub
 const Eigen::VectorXd& computeGeneralizedGravity(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("computeGeneralizedGravity", model, data, q);
   inner::Workspace& work = data.work();
-  inner::gravityKernel(model, work.d, inner::treeQ(model, work, q), inner::treeOut(model, work, data.g));
-  inner::gather(model, work, data.g);
+  inner::gravityKernel(model, work.scratch, inner::expandQ(model, work, q),
+                       inner::kernelOutput(model, work, data.g));
+  inner::collapse(model, work, data.g);
   return data.g;
 }
 

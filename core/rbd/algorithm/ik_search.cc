@@ -30,11 +30,6 @@ void solve(Eigen::MatrixXd& A, Eigen::VectorXd& r, Eigen::Index n) {
   }
 }
 
-// Whether velocities are the rates of the numbers in q.
-bool adds(const JointModel& joint) {
-  return joint.manifold() == Manifold::Angles || joint.manifold() == Manifold::Lengths;
-}
-
 // The farthest that a joint's moving part comes from its place at neutral, m.
 double travel(const Model& model, JointIndex j) {
   const JointModel& joint = model.joints[j];
@@ -83,9 +78,9 @@ IkErrors IkSearch::evaluate(const Eigen::VectorXd& q) {
   Eigen::Index row = 0;
   for (const FrameTarget& target : targets_) {
     const SE3& pose = updateFramePlacement(model_, s_.data, target.frame);
-    const Eigen::Vector3d way = target.pose.translation() - pose.translation();
-    s_.e.segment<3>(row) = way;
-    out.position = std::max(out.position, way.norm());
+    const Eigen::Vector3d error = target.pose.translation() - pose.translation();
+    s_.e.segment<3>(row) = error;
+    out.position = std::max(out.position, error.norm());
     row += 3;
     if (!target.rotation) continue;
     const Eigen::Matrix3d turn = target.pose.rotation() * pose.rotation().transpose();
@@ -98,8 +93,8 @@ IkErrors IkSearch::evaluate(const Eigen::VectorXd& q) {
   return out;
 }
 
-// J, the slope J' e and the room to the limits, at the configuration of the last evaluate (which is s.at).
-// The slope is exact although J is the geometric Jacobian: a rotation error is its own axis.
+// J, the gradient J' e and the room to the limits, at the configuration of the last evaluate (which is s.at).
+// The gradient is exact although J is the geometric Jacobian: a rotation error is its own axis.
 void IkSearch::linearise() {
   Eigen::Index row = 0;
   for (const FrameTarget& target : targets_) {
@@ -113,49 +108,49 @@ void IkSearch::linearise() {
   size_ = 0;
   for (Eigen::Index k = 0; k < model_.nv; ++k) {
     size_ += s_.J.col(k).head(rows_).squaredNorm();
-    s_.slope[k] = s_.J.col(k).head(rows_).dot(s_.e.head(rows_));
+    s_.gradient[k] = s_.J.col(k).head(rows_).dot(s_.e.head(rows_));
   }
-  s_.down.setConstant(-kInfinity);
-  s_.up.setConstant(kInfinity);
+  s_.lower_step.setConstant(-kInfinity);
+  s_.upper_step.setConstant(kInfinity);
   for (const JointModel& joint : model_.joints) {
-    if (!adds(joint)) continue;  // clamp() alone keeps the limits of the others
+    if (!isVectorSpace(joint.manifold())) continue;  // clamp() alone keeps the limits of the others
     for (int k = 0; k < joint.nv(); ++k) {
       const int iq = joint.idx_q() + k, iv = joint.idx_v() + k;
-      s_.down[iv] = model_.lowerPositionLimit[iq] - s_.at[iq];
-      s_.up[iv] = model_.upperPositionLimit[iq] - s_.at[iq];
+      s_.lower_step[iv] = model_.lowerPositionLimit[iq] - s_.at[iq];
+      s_.upper_step[iv] = model_.upperPositionLimit[iq] - s_.at[iq];
     }
   }
 }
 
-// Whether a limit keeps dof k from following its slope.
+// Whether a limit keeps dof k from following its gradient.
 bool IkSearch::blocked(Eigen::Index k) const {
-  return (s_.slope[k] > 0 && s_.up[k] <= 0) || (s_.slope[k] < 0 && s_.down[k] >= 0);
+  return (s_.gradient[k] > 0 && s_.upper_step[k] <= 0) || (s_.gradient[k] < 0 && s_.lower_step[k] >= 0);
 }
 
 // Whether no dof that may still move changes the error to first order.
 bool IkSearch::stationary() const {
   double sum = 0;
   for (Eigen::Index k = 0; k < model_.nv; ++k) {
-    if (!blocked(k)) sum += s_.slope[k] * s_.slope[k];
+    if (!blocked(k)) sum += s_.gradient[k] * s_.gradient[k];
   }
   return sum <= 1e-16 * size_ * s_.e.head(rows_).squaredNorm();
 }
 
-// s.dq := the minimum of |e - J dq|^2 + lambda |dq - pull|^2 between the limits. A dof whose step passes a
+// s.dq := the minimum of |e - J dq|^2 + lambda |dq - dq_preferred|^2 between the limits. A dof whose step passes a
 // limit stops there, and the others are solved again. False when there is no finite step.
 //
-// In the dual form dq = pull + J' y, (J J' + lambda) y = e - J pull, whose size is that of the targets.
+// In the dual form dq = dq_preferred + J' y, (J J' + lambda) y = e - J dq_preferred, whose size is that of the targets.
 bool IkSearch::step(double lambda) {
   const Eigen::Index m = rows_;
-  std::fill(s_.held.begin(), s_.held.end(), 0);
+  std::fill(s_.clamped.begin(), s_.clamped.end(), 0);
   lambda += 1e-13 * size_;  // what a Cholesky factorisation can bear
   for (bool again = true; again;) {
     s_.A.topLeftCorner(m, m).setZero();
     s_.r.head(m) = s_.e.head(m);
     for (Eigen::Index k = 0; k < model_.nv; ++k) {
       const auto column = s_.J.col(k).head(m);
-      s_.r.head(m) -= (s_.held[k] ? s_.dq[k] : s_.pull[k]) * column;
-      if (s_.held[k]) continue;
+      s_.r.head(m) -= (s_.clamped[k] ? s_.dq[k] : s_.dq_preferred[k]) * column;
+      if (s_.clamped[k]) continue;
       for (Eigen::Index j = 0; j < m; ++j) {
         for (Eigen::Index i = j; i < m; ++i) s_.A(i, j) += column[i] * column[j];
       }
@@ -164,20 +159,20 @@ bool IkSearch::step(double lambda) {
     solve(s_.A, s_.r, m);
     again = false;
     for (Eigen::Index k = 0; k < model_.nv; ++k) {
-      if (s_.held[k]) continue;
-      s_.dq[k] = s_.pull[k] + s_.J.col(k).head(m).dot(s_.r.head(m));
+      if (s_.clamped[k]) continue;
+      s_.dq[k] = s_.dq_preferred[k] + s_.J.col(k).head(m).dot(s_.r.head(m));
       if (!std::isfinite(s_.dq[k])) return false;
-      const double bounded = std::min(std::max(s_.dq[k], s_.down[k]), s_.up[k]);
+      const double bounded = std::min(std::max(s_.dq[k], s_.lower_step[k]), s_.upper_step[k]);
       if (bounded == s_.dq[k]) continue;
       s_.dq[k] = bounded;
-      s_.held[k] = again = true;
+      s_.clamped[k] = again = true;
     }
   }
   return true;
 }
 
 // How much a step along s.dq would lower the cost, were the error linear.
-double IkSearch::foretold() const {
+double IkSearch::predictedReduction() const {
   double cost = 0;
   for (Eigen::Index i = 0; i < rows_; ++i) {
     double left = s_.e[i];
@@ -188,7 +183,7 @@ double IkSearch::foretold() const {
 }
 
 IkStop IkSearch::reach(IkErrors& errors) {
-  s_.pull.setZero();
+  s_.dq_preferred.setZero();
   errors = evaluate(s_.at);
   linearise();
   // far away the error is no measure of how long a step may be
@@ -202,13 +197,13 @@ IkStop IkSearch::reach(IkErrors& errors) {
       if (before - now < options_.position_tolerance / 10) return IkStop::Stalled;
       before = now;
     }
-    // the first step of any length that comes nearer; short ones follow the slope, so there is one
+    // the first step of any length that comes nearer; short ones follow the gradient, so there is one
     for (;;) {
       ++iterations_;
       const bool solved = step(factor * errors.cost);
       if (solved && s_.dq.lpNorm<Eigen::Infinity>() <= 1e-15) return IkStop::Stalled;
       if (solved) {
-        const double drop = foretold();
+        const double drop = predictedReduction();
         integrate(model_, s_.at, s_.dq, s_.next);
         clamp(s_.next);
         s_.r.head(rows_) = s_.e.head(rows_);
@@ -233,29 +228,29 @@ IkStop IkSearch::reach(IkErrors& errors) {
 }
 
 void IkSearch::relax(IkErrors& errors) {
-  // half the weighted square of the way to rest; the way is left in s.pull, weighted
+  // the weighted square of the distance to rest; s.dq_preferred becomes the weighted difference to it
   const auto away = [&](const Eigen::VectorXd& q) {
-    difference(model_, q, options_.rest, s_.pull);
-    if (options_.rest_weight.size() == 0) return s_.pull.squaredNorm();
+    difference(model_, q, options_.rest, s_.dq_preferred);
+    if (options_.rest_weight.size() == 0) return s_.dq_preferred.squaredNorm();
     double sum = 0;
     for (Eigen::Index k = 0; k < model_.nv; ++k) {
-      sum += options_.rest_weight[k] * s_.pull[k] * s_.pull[k];
-      s_.pull[k] *= options_.rest_weight[k];
+      sum += options_.rest_weight[k] * s_.dq_preferred[k] * s_.dq_preferred[k];
+      s_.dq_preferred[k] *= options_.rest_weight[k];
     }
     return sum;
   };
   s_.kept = s_.at;
   IkErrors kept = errors;
   double nearest = away(s_.kept);
-  double share = 1;  // of a full step
-  for (int n = 0; n < options_.iterations && share > 1e-3; ++n) {
+  double step_fraction = 1;  // of a full step
+  for (int n = 0; n < options_.iterations && step_fraction > 1e-3; ++n) {
     s_.at = s_.kept;
     (void)evaluate(s_.at);
     linearise();
     (void)away(s_.at);
-    s_.pull *= share;
+    s_.dq_preferred *= step_fraction;
     ++iterations_;
-    if (!step(1e-10 * size_) || s_.dq.lpNorm<Eigen::Infinity>() <= 1e-6 * share) break;
+    if (!step(1e-10 * size_) || s_.dq.lpNorm<Eigen::Infinity>() <= 1e-6 * step_fraction) break;
     integrate(model_, s_.at, s_.dq, s_.next);
     clamp(s_.next);
     s_.at.swap(s_.next);
@@ -266,9 +261,9 @@ void IkSearch::relax(IkErrors& errors) {
       nearest = now;
       s_.kept = s_.at;
       kept = errors;
-      share = std::min(1.0, 2 * share);
+      step_fraction = std::min(1.0, 2 * step_fraction);
     } else {
-      share /= 2;
+      step_fraction /= 2;
     }
   }
   s_.at = s_.kept;
@@ -281,14 +276,14 @@ JointIndex IkSearch::limit() const {
   for (JointIndex j = 1; j < model_.njoints; ++j) {
     const JointModel& joint = model_.joints[j];
     double pull = 0;
-    if (adds(joint)) {
+    if (isVectorSpace(joint.manifold())) {
       for (int k = joint.idx_v(); k < joint.idx_v() + joint.nv(); ++k)
-        if (blocked(k)) pull = std::max(pull, std::abs(s_.slope[k]));
+        if (blocked(k)) pull = std::max(pull, std::abs(s_.gradient[k]));
     } else {
       bool stands = false;
       for (int k = joint.idx_q(); k < joint.idx_q() + joint.nq(); ++k)
         stands |= s_.at[k] <= model_.lowerPositionLimit[k] || s_.at[k] >= model_.upperPositionLimit[k];
-      if (stands) pull = s_.slope.segment(joint.idx_v(), joint.nv()).norm();
+      if (stands) pull = s_.gradient.segment(joint.idx_v(), joint.nv()).norm();
     }
     if (pull > most) {
       worst = j;

@@ -33,14 +33,14 @@ class IkSearch {
   bool converged(const IkErrors& errors) const {
     return errors.position <= options_.position_tolerance && errors.rotation <= options_.rotation_tolerance;
   }
-  // Of the joints that stand at a limit, the one on which the slope still pulls the most; 0 if there is none.
+  // Of the joints that stand at a limit, the one with the largest gradient beyond its limit; 0 if there is none.
   JointIndex limit() const;
   int iterations() const { return iterations_; }
 
  private:
   IkErrors evaluate(const Eigen::VectorXd& q);
   void linearise();
-  double foretold() const;
+  double predictedReduction() const;
   bool step(double lambda);
   bool blocked(Eigen::Index k) const;
   bool stationary() const;

@@ -68,9 +68,9 @@ IkScratch::IkScratch(const Model& model, int targets) : data(model) {
   A.setZero(rows, rows);
   frame_J.setZero(6, model.nv);
   for (Eigen::VectorXd* x : {&e, &r}) x->setZero(rows);
-  for (Eigen::VectorXd* x : {&dq, &pull, &slope, &down, &up}) x->setZero(model.nv);
+  for (Eigen::VectorXd* x : {&dq, &dq_preferred, &gradient, &lower_step, &upper_step}) x->setZero(model.nv);
   for (Eigen::VectorXd* x : {&at, &next, &kept, &best}) x->setZero(model.nq);
-  held.resize(static_cast<std::size_t>(model.nv));
+  clamped.resize(static_cast<std::size_t>(model.nv));
 }
 
 IkResult inverseKinematics(const Model& model, IkScratch& s, std::span<const FrameTarget> targets,

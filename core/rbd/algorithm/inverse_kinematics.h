@@ -2,7 +2,7 @@
 //
 // Damped least squares: each step minimises |e - J dq|^2 + lambda |dq|^2 over the dofs that are not held by a
 // limit; e stacks the position errors (m) and, times `length`, the rotation errors (rad). lambda is the
-// squared error itself times a factor that follows how well the last step was foretold: it vanishes at a
+// squared error itself times a factor that follows how well the reduction of the last step was predicted: it vanishes at a
 // solution (so convergence is fast there) and grows at singularities. Works in the tangent space, with every
 // kind of joint, mimic and floating base.
 // Sources: Wampler 1986 and Nakamura, Hanafusa 1986 (damping); Sugihara, Solvability-unconcerned inverse
@@ -71,13 +71,14 @@ struct IkScratch {
   explicit IkScratch(const Model& model, int targets = 1);
 
   Data data;
-  Eigen::MatrixXd J, A;                  // 6 targets x nv, square; all rows of a target, used or not
-  Eigen::MatrixXd frame_J;               // 6 x nv
-  Eigen::VectorXd e, r;                  // 6 targets: error, right-hand side
-  Eigen::VectorXd dq, pull, slope;       // nv: step, what it is drawn to, J' e
-  Eigen::VectorXd down, up;              // nv: room to the limits
-  Eigen::VectorXd at, next, kept, best;  // nq
-  std::vector<char> held;                // nv
+  Eigen::MatrixXd J, A;              // 6 targets x nv, square; all rows of a target, used or not
+  Eigen::MatrixXd frame_J;           // 6 x nv
+  Eigen::VectorXd e, r;              // 6 targets: error, right-hand side
+  Eigen::VectorXd dq, dq_preferred;  // nv: step, the step that is drawn to where nothing else is asked for
+  Eigen::VectorXd gradient;          // nv: J' e
+  Eigen::VectorXd lower_step, upper_step;  // nv: room to the limits
+  Eigen::VectorXd at, next, kept, best;    // nq
+  std::vector<char> clamped;               // nv: the step ends at a limit
 };
 
 // q: the start, and then the answer; always finite and, where limits bound it, within them.

@@ -57,9 +57,9 @@ void fillJacobianRate(const Model& model, const Data& data, JointIndex joint, co
 }
 
 // From about the centre to about the world's origin: v_origin = v_centre + centre x w.
-void storeColumns(const std::vector<inner::Motion<double>>& columns, const inner::Vec3<double>& centre,
+void storeColumns(const std::vector<inner::SpatialMotion<double>>& columns, const inner::Vec3<double>& centre,
                   double* out) {
-  for (const inner::Motion<double>& x : columns) {
+  for (const inner::SpatialMotion<double>& x : columns) {
     x.w.storeU(out);
     (x.v + cross(centre, x.w)).storeU(out + 3);
     out += 8;
@@ -71,14 +71,14 @@ void storeColumns(const std::vector<inner::Motion<double>>& columns, const inner
 const PaddedMatrix& computeJointJacobians(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("computeJointJacobians", model, data, q);
   inner::Workspace& work = data.work();
-  inner::Scratch<double>& s = work.d;
-  const double* const tree_q = inner::treeQ(model, work, q);
+  inner::Scratch<double>& s = work.scratch;
+  const double* const tree_q = inner::expandQ(model, work, q);
   inner::sinesAndCosines(model, tree_q, s);
   inner::worldPoses(model.tree().joints, tree_q, s);
-  inner::worldColumns(model.tree().joints, s);
+  inner::worldSubspaces(model.tree().joints, s);
   inner::storeJointPoses(model, data);
-  storeColumns(s.column, s.centre, inner::treeOut(model, work.J, data.J));
-  inner::gatherColumns(model, work.J, data.J);
+  storeColumns(s.S, s.centre, inner::kernelOutput(model, work.J, data.J));
+  inner::collapseColumns(model, work.J, data.J);
   return data.J;
 }
 
@@ -128,22 +128,22 @@ const PaddedMatrix& computeJointJacobiansTimeVariation(const Model& model, Data&
                                                        const ConstVectorRef& q, const ConstVectorRef& v) {
   inner::checkInputs("computeJointJacobiansTimeVariation", model, data, q, "v", v);
   inner::Workspace& work = data.work();
-  inner::Scratch<double>& s = work.d;
-  const double* const tree_q = inner::treeQ(model, work, q);
+  inner::Scratch<double>& s = work.scratch;
+  const double* const tree_q = inner::expandQ(model, work, q);
   inner::sinesAndCosines(model, tree_q, s);
   inner::worldPoses(model.tree().joints, tree_q, s);
-  inner::motionRates(model.tree().joints, inner::treeV(model, work.v, v), nullptr,
-                     inner::Motion<double>::zero(), s);
+  inner::motionRates(model.tree().joints, inner::expandV(model, work.v, v), nullptr,
+                     inner::SpatialMotion<double>::zero(), s);
   inner::storeJointPoses(model, data);
   for (JointIndex j = 1; j < model.njoints; ++j) {
-    const inner::Motion<double>& twist = s.v[model.tree().bodyOf[j]];
+    const inner::SpatialMotion<double>& twist = s.v[model.tree().bodyOf[j]];
     data.v[j] = data.oMi[j].actInv(
         Motion(inner::toEigen(twist.w), inner::toEigen(twist.v + cross(s.centre, twist.w))));
   }
-  storeColumns(s.column, s.centre, inner::treeOut(model, work.J, data.J));
-  storeColumns(s.rate, s.centre, inner::treeOut(model, work.dJ, data.dJ));
-  inner::gatherColumns(model, work.J, data.J);
-  inner::gatherColumns(model, work.dJ, data.dJ);
+  storeColumns(s.S, s.centre, inner::kernelOutput(model, work.J, data.J));
+  storeColumns(s.Sd, s.centre, inner::kernelOutput(model, work.dJ, data.dJ));
+  inner::collapseColumns(model, work.J, data.J);
+  inner::collapseColumns(model, work.dJ, data.dJ);
   return data.dJ;
 }
 

@@ -11,14 +11,16 @@
 
 namespace rbd::inner {
 
-template <class S>
-void rneaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const S* qdd, S* tau);
-template <class S>
-void gravityKernel(const Model& model, Scratch<S>& s, const S* q, S* tau);
-template <class S>
-void crbaKernel(const Model& model, const int* dof_parent, Scratch<S>& s, const S* q, S* M, int stride);
-template <class S>
-int abaKernel(const Model& model, const double* rotor, Scratch<S>& s, const S* q, const S* qd, const S* tau,
-              S* qdd, S& D);
+template <class Scalar>
+void rneaKernel(const Model& model, Scratch<Scalar>& s, const Scalar* q, const Scalar* qd, const Scalar* qdd,
+                Scalar* tau);
+template <class Scalar>
+void gravityKernel(const Model& model, Scratch<Scalar>& s, const Scalar* q, Scalar* tau);
+template <class Scalar>
+void crbaKernel(const Model& model, const int* dof_parent, Scratch<Scalar>& s, const Scalar* q, Scalar* M,
+                int stride);
+template <class Scalar>
+int abaKernel(const Model& model, const double* rotor, Scratch<Scalar>& s, const Scalar* q, const Scalar* qd,
+              const Scalar* tau, Scalar* qdd, Scalar& D);
 
 }  // namespace rbd::inner

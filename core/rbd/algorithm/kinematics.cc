@@ -9,15 +9,15 @@ namespace {
 // Velocities, and accelerations without gravity, of every joint in its own axes. Featherstone 2008,
 // table 5.1. Given null rates (qdd) they are left alone.
 void localMotions(const Model& model, Data& data, const double* q, const double* qd, const double* qdd) {
-  inner::Scratch<double>& s = data.work().d;
+  inner::Scratch<double>& s = data.work().scratch;
   const inner::Joints& joints = model.tree().joints;
-  s.v[0] = s.a[0] = inner::Motion<double>::zero();
+  s.v[0] = s.a[0] = inner::SpatialMotion<double>::zero();
   for (int i = 1; i < model.tree().size(); ++i) {
     const PackedJoint& joint = joints[i];
     inner::jointPose(joint, q, s, s.X[i]);
     s.v[i] = inner::plusS(joint, s.X[i].toChild(s.v[joint.parent]), qd + joint.idx_v);
     if (!qdd) continue;
-    const inner::Motion<double> carried =
+    const inner::SpatialMotion<double> carried =
         s.X[i].toChild(s.a[joint.parent]) + inner::crossS(joint, s.v[i], qd + joint.idx_v);
     s.a[i] = inner::plusS(joint, carried, qdd + joint.idx_v);
   }
@@ -29,9 +29,9 @@ void localMotions(const Model& model, Data& data, const double* q, const double*
 }
 
 void poses(const Model& model, Data& data, const ConstVectorRef& q) {
-  const double* const tree_q = inner::treeQ(model, data.work(), q);
-  inner::sinesAndCosines(model, tree_q, data.work().d);
-  inner::worldPoses(model.tree().joints, tree_q, data.work().d);
+  const double* const tree_q = inner::expandQ(model, data.work(), q);
+  inner::sinesAndCosines(model, tree_q, data.work().scratch);
+  inner::worldPoses(model.tree().joints, tree_q, data.work().scratch);
   inner::storeJointPoses(model, data);
   inner::storeFramePoses(model, data);
   data.q_in = q;
@@ -59,7 +59,7 @@ void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, 
   inner::checkInputs("forwardKinematics", model, data, q, "v", v);
   poses(model, data, q);
   inner::Workspace& work = data.work();
-  localMotions(model, data, inner::treeQ(model, work, q), inner::treeV(model, work.v, v), nullptr);
+  localMotions(model, data, inner::expandQ(model, work, q), inner::expandV(model, work.v, v), nullptr);
   data.v_in = v;
   data.kinematics_order = 1;
 }
@@ -69,8 +69,8 @@ void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, 
   inner::checkInputs("forwardKinematics", model, data, q, "v", v, "a", a);
   poses(model, data, q);
   inner::Workspace& work = data.work();
-  localMotions(model, data, inner::treeQ(model, work, q), inner::treeV(model, work.v, v),
-               inner::treeV(model, work.a, a));
+  localMotions(model, data, inner::expandQ(model, work, q), inner::expandV(model, work.v, v),
+               inner::expandV(model, work.a, a));
   data.v_in = v;
   data.a_in = a;
   data.kinematics_order = 2;

@@ -7,7 +7,7 @@
 namespace rbd {
 namespace {
 
-using Twist = inner::Motion<double>;
+using Twist = inner::SpatialMotion<double>;
 using Vec = inner::Vec3<double>;
 
 // A joint or frame: the body it is fixed to, and where it is now.
@@ -76,8 +76,8 @@ void velocityDerivatives(const Model& model, const Data& data, const Place& plac
   dv_dq.setZero();
   dv_dv.setZero();
   forEachDof(model, place.body, [&](int k) {
-    const Twist& S = s.column[k];
-    addTo(dv_dq, k, model, changeIn(place, data, cross(S, v) + s.rest[k], v, &S, reference));
+    const Twist& S = s.S[k];
+    addTo(dv_dq, k, model, changeIn(place, data, cross(S, v) + s.Psid[k], v, &S, reference));
     addTo(dv_dv, k, model, changeIn(place, data, S, v, nullptr, reference));
   });
 }
@@ -93,9 +93,9 @@ void accelerationDerivatives(const Model& model, const Data& data, const Place& 
   da_dq.setZero();
   da_dv.setZero();
   forEachDof(model, place.body, [&](int k) {
-    const Twist& S = s.column[k];
-    const Twist by_q = cross(S, a) + s.rest2[k] + cross(s.rest[k], v),
-                by_v = cross(S, v) + s.rate[k] + s.rest[k];
+    const Twist& S = s.S[k];
+    const Twist by_q = cross(S, a) + s.Psidd[k] + cross(s.Psid[k], v),
+                by_v = cross(S, v) + s.Sd[k] + s.Psid[k];
     addTo(da_dq, k, model, changeIn(place, data, by_q, a, &S, reference));
     addTo(da_dv, k, model, changeIn(place, data, by_v, a, nullptr, reference));
   });
@@ -107,14 +107,14 @@ void computeForwardKinematicsDerivatives(const Model& model, Data& data, const C
                                          const ConstVectorRef& v, const ConstVectorRef& a) {
   forwardKinematics(model, data, q, v, a);
   inner::Workspace& work = data.work();
-  inner::motionRates(model.tree().joints, inner::treeV(model, work.v, v), inner::treeV(model, work.a, a),
-                     Twist::zero(), work.d);
-  const inner::Scratch<double>& s = work.d;
+  inner::motionRates(model.tree().joints, inner::expandV(model, work.v, v), inner::expandV(model, work.a, a),
+                     Twist::zero(), work.scratch);
+  const inner::Scratch<double>& s = work.scratch;
   inner::KeptRates& kept = work.kept;
-  kept.column = s.column;
-  kept.rate = s.rate;
-  kept.rest = s.rest;
-  kept.rest2 = s.rest2;
+  kept.S = s.S;
+  kept.Sd = s.Sd;
+  kept.Psid = s.Psid;
+  kept.Psidd = s.Psidd;
   kept.v = s.v;
   kept.a = s.a;
   kept.centre = s.centre;

@@ -23,13 +23,13 @@ void coordinates(const Vec3<double>& angular, const Vec3<double>& linear, double
 // gets the upper triangle.
 int minverseKernel(const Model& model, const double* rotor, Workspace& work, const double* q, double* W,
                    double& d) {
-  Scratch<double>& s = work.d;
+  Scratch<double>& s = work.scratch;
   const Joints& joints = model.tree().joints;
   const int nv = model.nv, stride = work.stride;
   sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
   for (int i = 1; i < model.tree().size(); ++i) {
-    worldColumns(joints[i], i, s);
+    worldSubspace(joints[i], i, s);
     s.IA[i] = ArticulatedInertia<double>::rigid(worldInertia(joints[i], s.R[i], s.p[i]));
   }
   const int singular = articulate(joints, rotor, s, d, [](int, int) {});
@@ -43,7 +43,7 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
     const int k = work.order[at], end = work.subtreeEnd[at];
     double* row = W + at * stride;
     double S[6], U[6];
-    coordinates(s.column[k].w, s.column[k].v, S);
+    coordinates(s.S[k].w, s.S[k].v, S);
     coordinates(s.U[k].n, s.U[k].f, U);
     const double scale = -s.inverseD[k];
     const int first = at & ~3;
@@ -68,7 +68,7 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
     double* row = W + at * stride;
     double* const P = s.P.data() + 6 * stride * depth;
     double S[6], U[6];
-    coordinates(s.column[k].w, s.column[k].v, S);
+    coordinates(s.S[k].w, s.S[k].v, S);
     coordinates(s.U[k].n, s.U[k].f, U);
     const int first = at & ~3;
     if (depth > 0) {

@@ -10,31 +10,33 @@ namespace inner {
 
 // Featherstone 2008, table 5.1, every body in its own axes. Forces from outside are not in here: they enter
 // afterwards as J' f (addWrenchEfforts). qdd may be null: then it is zero.
-template <class S>
-void rneaKernel(const Model& model, Scratch<S>& s, const S* q, const S* qd, const S* qdd, S* tau) {
+template <class Scalar>
+void rneaKernel(const Model& model, Scratch<Scalar>& s, const Scalar* q, const Scalar* qd, const Scalar* qdd,
+                Scalar* tau) {
   const Joints& joints = model.tree().joints;
   const int n = model.tree().size();
   sinesAndCosines(model, q, s);
 
   // outward: velocities and accelerations; a fixed base that accelerates upwards feels like gravity
-  s.v[0] = Motion<S>::zero();
-  s.a[0] = {Vec3<S>::zero(), -gravity<S>(model)};
+  s.v[0] = SpatialMotion<Scalar>::zero();
+  s.a[0] = {Vec3<Scalar>::zero(), -gravity<Scalar>(model)};
   for (int i = 1; i < n; ++i) {
     const PackedJoint& joint = joints[i];
-    const S* rate = qd + joint.idx_v;
+    const Scalar* rate = qd + joint.idx_v;
     jointPose(joint, q, s, s.X[i]);
-    const Pose<S>& X = s.X[i];
+    const Pose<Scalar>& X = s.X[i];
     s.v[i] = plusS(joint, X.toChild(s.v[joint.parent]), rate);
     s.a[i] = X.toChild(s.a[joint.parent]) + crossS(joint, s.v[i], rate);
     if (qdd) s.a[i] = plusS(joint, s.a[i], qdd + joint.idx_v);
 
     // the force that gives body i this motion
-    const RigidInertia<S> I = {Mat3<S>::load(joint.inertiaO), Vec3<S>::load(joint.moment), S(joint.mass)};
+    const RigidInertia<Scalar> I = {Mat3<Scalar>::load(joint.inertia_at_origin),
+                                    Vec3<Scalar>::load(joint.moment), Scalar(joint.mass)};
     s.f[i] = I * s.a[i] + crossForce(s.v[i], I * s.v[i]);
   }
 
   // inward: each joint carries its body and everything beyond
-  s.f[0] = Force<S>::zero();  // sums up too, never read
+  s.f[0] = SpatialForce<Scalar>::zero();  // sums up too, never read
   for (int i = n - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
     transposeS(joint, s.f[i], tau + joint.idx_v);
@@ -52,10 +54,10 @@ const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef
                             const ConstVectorRef& a) {
   inner::checkInputs("rnea", model, data, q, "v", v, "a", a);
   inner::Workspace& work = data.work();
-  // treeX, gather: through the map of mimic joints (kernel/mimic.h); nothing to do if nothing mimics
-  inner::rneaKernel(model, work.d, inner::treeQ(model, work, q), inner::treeV(model, work.v, v),
-                    inner::treeV(model, work.a, a), inner::treeOut(model, work, data.tau));
-  inner::gather(model, work, data.tau);
+  // expand, collapse: the map of mimic joints (kernel/mimic.h); nothing to do if nothing mimics
+  inner::rneaKernel(model, work.scratch, inner::expandQ(model, work, q), inner::expandV(model, work.v, v),
+                    inner::expandV(model, work.a, a), inner::kernelOutput(model, work, data.tau));
+  inner::collapse(model, work, data.tau);
   inner::addRotorEfforts(model, a, data.tau);
   inner::addFrictionEfforts(model, v, 1, data.tau);
   inner::checkResult("rnea", model, data.tau);
@@ -79,9 +81,10 @@ const Eigen::VectorXd& nonLinearEffects(const Model& model, Data& data, const Co
                                         const ConstVectorRef& v) {
   inner::checkInputs("nonLinearEffects", model, data, q, "v", v);
   inner::Workspace& work = data.work();
-  inner::rneaKernel<double>(model, work.d, inner::treeQ(model, work, q), inner::treeV(model, work.v, v),
-                            nullptr, inner::treeOut(model, work, data.nle));
-  inner::gather(model, work, data.nle);
+  inner::rneaKernel<double>(model, work.scratch, inner::expandQ(model, work, q),
+                            inner::expandV(model, work.v, v), nullptr,
+                            inner::kernelOutput(model, work, data.nle));
+  inner::collapse(model, work, data.nle);
   inner::addFrictionEfforts(model, v, 1, data.nle);
   inner::checkResult("nonLinearEffects", model, data.nle);
   return data.nle;

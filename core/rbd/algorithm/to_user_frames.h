@@ -17,17 +17,17 @@ inline Vec3<double> fromEigen(const Eigen::Vector3d& x) { return Vec3<double>::m
 inline Eigen::Vector3d toEigen(const Vec3<double>& x) { return {x[0], x[1], x[2]}; }
 
 // A motion in a joint's kernel axes, in the user's axes of that joint.
-inline rbd::Motion userMotion(const PackedJoint& joint, const Motion<double>& m) {
-  const Mat3<double> turn = Mat3<double>::load(joint.turn);
-  return {toEigen(turn * m.w), toEigen(turn * m.v)};
+inline rbd::Motion userMotion(const PackedJoint& joint, const SpatialMotion<double>& m) {
+  const Mat3<double> R_user = Mat3<double>::load(joint.R_user);
+  return {toEigen(R_user * m.w), toEigen(R_user * m.v)};
 }
 
 // data.oMi from R, p, centre.
 inline void storeJointPoses(const Model& model, Data& data) {
-  const Scratch<double>& s = data.work().d;
+  const Scratch<double>& s = data.work().scratch;
   for (int i = 1; i < model.njoints; ++i) {
     const int body = model.tree().bodyOf[i];
-    storePose(timesMatrix(s.R[body], model.tree().joints[body].turnT), s.centre + s.p[body], data.oMi[i]);
+    storePose(timesMatrix(s.R[body], model.tree().joints[body].R_user_T), s.centre + s.p[body], data.oMi[i]);
   }
 }
 

@@ -31,44 +31,44 @@ inline Sum firstMoment(const Model& model, const Scratch<double>& s) {
 
 // The centre of mass from the centre; fills data.mass and data.com.
 inline Vec3<double> storeCom(const char* function, const Model& model, Data& data) {
-  const Sum sum = firstMoment(model, data.work().d);
+  const Sum sum = firstMoment(model, data.work().scratch);
   if (!(sum.mass > 0)) {
     throw std::runtime_error(std::string(function) + ": model '" + model.name +
                              "' has no moving mass, so no centre of mass");
   }
   const Vec3<double> com = sum.moment * (1 / sum.mass);
   data.mass[0] = sum.mass;
-  data.com[0] = toEigen(com + data.work().d.centre);
+  data.com[0] = toEigen(com + data.work().scratch.centre);
   return com;
 }
 
 inline void worldPosesOf(const Model& model, Data& data, const ConstVectorRef& q) {
-  const double* const tree_q = treeQ(model, data.work(), q);
-  sinesAndCosines(model, tree_q, data.work().d);
-  worldPoses(model.tree().joints, tree_q, data.work().d);
+  const double* const tree_q = expandQ(model, data.work(), q);
+  sinesAndCosines(model, tree_q, data.work().scratch);
+  worldPoses(model.tree().joints, tree_q, data.work().scratch);
 }
 
 // World velocities, and accelerations without gravity where qdd is given; then the momentum of all bodies and
 // its rate, about the centre. Needs worldPoses.
 struct Momentum {
-  Force<double> h = Force<double>::zero(), dh = Force<double>::zero();
+  SpatialForce<double> h = SpatialForce<double>::zero(), dh = SpatialForce<double>::zero();
 };
 
 inline Momentum momentum(const Model& model, Data& data, const ConstVectorRef& v, const ConstVectorRef* a) {
   Workspace& work = data.work();
-  const double* const qd = treeV(model, work.v, v);
-  const double* const qdd = a ? treeV(model, work.a, *a) : nullptr;
-  Scratch<double>& s = work.d;
+  const double* const qd = expandV(model, work.v, v);
+  const double* const qdd = a ? expandV(model, work.a, *a) : nullptr;
+  Scratch<double>& s = work.scratch;
   const Joints& joints = model.tree().joints;
   Momentum sum;
-  s.v[0] = s.a[0] = Motion<double>::zero();
+  s.v[0] = s.a[0] = SpatialMotion<double>::zero();
   for (int i = 1; i < model.tree().size(); ++i) {
     const PackedJoint& joint = joints[i];
-    worldColumns(joint, i, s);
-    const Motion<double> vJ = jointMotion(joint, qd, s);
+    worldSubspace(joint, i, s);
+    const SpatialMotion<double> vJ = jointMotion(joint, qd, s);
     s.v[i] = s.v[joint.parent] + vJ;
     const RigidInertia<double> I = worldInertia(joint, s.R[i], s.p[i]);
-    const Force<double> h = I * s.v[i];
+    const SpatialForce<double> h = I * s.v[i];
     sum.h = sum.h + h;
     if (!qdd) continue;
     s.a[i] = s.a[joint.parent] + cross(s.v[joint.parent], vJ) + jointMotion(joint, qdd, s);

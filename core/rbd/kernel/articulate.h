@@ -12,18 +12,19 @@ namespace rbd::inner {
 // IA and f of children are added to their parents. `eachDof(i, k)` is called for each dof k of joint i
 // once U[k] and inverseD[k] are known. Returns the dof whose inertia D is singular, or -1.
 // Singular: not above 1e-14 of the largest D beyond it, which is what rounding leaves of a true zero.
-template <class S, class EachDof>
-inline int articulate(const Joints& joints, const double* rotor, Scratch<S>& s, S& D, EachDof&& eachDof) {
-  std::fill(s.largestD.begin(), s.largestD.end(), S(0));
+template <class Scalar, class EachDof>
+inline int articulate(const Joints& joints, const double* rotor, Scratch<Scalar>& s, Scalar& D,
+                      EachDof&& eachDof) {
+  std::fill(s.largestD.begin(), s.largestD.end(), Scalar(0));
   for (int i = static_cast<int>(joints.size()) - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
-    ArticulatedInertia<S>& IA = s.IA[i];
+    ArticulatedInertia<Scalar>& IA = s.IA[i];
     for (int k = joint.idx_v + joint.nv - 1; k >= joint.idx_v; --k) {
-      s.U[k] = IA * s.column[k];
-      D = dot(s.column[k], s.U[k]) + S(rotor[k]);
-      if (!(D > S(1e-14) * s.largestD[i])) return k;  // not <=: catches nan too
+      s.U[k] = IA * s.S[k];
+      D = dot(s.S[k], s.U[k]) + Scalar(rotor[k]);
+      if (!(D > Scalar(1e-14) * s.largestD[i])) return k;  // not <=: catches nan too
       s.largestD[i] = std::max(s.largestD[i], D);
-      s.inverseD[k] = S(1) / D;
+      s.inverseD[k] = Scalar(1) / D;
       eachDof(i, k);
       IA.subtract(s.U[k], s.inverseD[k]);
     }

@@ -4,8 +4,7 @@
 // Joints with one axis have been turned so that they move about or along their local z. kTurnZ and kSlideZ
 // are nearly all there are and come first everywhere; the rest say where q puts the body (displacement),
 // which axes it moves along (S) and no more. The world-axes algorithms take dofs one after the other and see
-// no kind at all. All motion subspaces here are constant in the body: S_dot qd = v x S qd. In comments S is
-// the book's motion subspace; in the code the type S is the scalar.
+// no kind at all. All motion subspaces here are constant in the body: S_dot qd = v x S qd.
 #pragma once
 
 #include <cmath>
@@ -16,82 +15,82 @@
 namespace rbd::inner {
 
 // m * v for v read from packed constants: the scalars come from memory, ready to be spread over the lanes.
-template <class S>
-inline Vec3<S> times(const Mat3<S>& m, const double* v) {
-  return m.c0 * S(v[0]) + m.c1 * S(v[1]) + m.c2 * S(v[2]);
+template <class Scalar>
+inline Vec3<Scalar> times(const Mat3<Scalar>& m, const double* v) {
+  return m.c0 * Scalar(v[0]) + m.c1 * Scalar(v[1]) + m.c2 * Scalar(v[2]);
 }
 
-template <class S>
-inline Mat3<S> timesMatrix(const Mat3<S>& m, const double* b) {
+template <class Scalar>
+inline Mat3<Scalar> timesMatrix(const Mat3<Scalar>& m, const double* b) {
   return {times(m, b), times(m, b + 4), times(m, b + 8)};
 }
 
 // R of a quaternion (x, y, z, w) of any length but zero.
-template <class S>
-inline Mat3<S> quaternionMatrix(const S* q) {
-  const S x = q[0], y = q[1], z = q[2], w = q[3];
-  const S s = S(2) / (x * x + y * y + z * z + w * w);
-  const S o(1);
-  return {Vec3<S>::make(o - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)),
-          Vec3<S>::make(s * (x * y - z * w), o - s * (x * x + z * z), s * (y * z + x * w)),
-          Vec3<S>::make(s * (x * z + y * w), s * (y * z - x * w), o - s * (x * x + y * y))};
+template <class Scalar>
+inline Mat3<Scalar> quaternionMatrix(const Scalar* q) {
+  const Scalar x = q[0], y = q[1], z = q[2], w = q[3];
+  const Scalar s = Scalar(2) / (x * x + y * y + z * z + w * w);
+  const Scalar o(1);
+  return {Vec3<Scalar>::make(o - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)),
+          Vec3<Scalar>::make(s * (x * y - z * w), o - s * (x * x + z * z), s * (y * z + x * w)),
+          Vec3<Scalar>::make(s * (x * z + y * w), s * (y * z - x * w), o - s * (x * x + y * y))};
 }
 
 // cos and sin of any length but zero, as a rotation about z.
-template <class S>
-inline Mat3<S> planeMatrix(S c, S s) {
+template <class Scalar>
+inline Mat3<Scalar> planeMatrix(Scalar c, Scalar s) {
   using std::sqrt;
-  const S scale = S(1) / sqrt(c * c + s * s), o(0);
-  return {Vec3<S>::make(c * scale, s * scale, o), Vec3<S>::make(-s * scale, c * scale, o),
-          Vec3<S>::make(o, o, S(1))};
+  const Scalar scale = Scalar(1) / sqrt(c * c + s * s), o(0);
+  return {Vec3<Scalar>::make(c * scale, s * scale, o), Vec3<Scalar>::make(-s * scale, c * scale, o),
+          Vec3<Scalar>::make(o, o, Scalar(1))};
 }
 
 // Where q puts the body of a joint that neither turns nor slides only, from its place at q = 0.
-template <class S>
-inline Pose<S> displacement(const PackedJoint& joint, const S* q, const Scratch<S>& s) {
-  const S o(0);
+template <class Scalar>
+inline Pose<Scalar> displacement(const PackedJoint& joint, const Scalar* q, const Scratch<Scalar>& s) {
+  const Scalar o(0);
   q += joint.idx_q;
-  Pose<S> X;
-  X.R = Mat3<S>::identity();
-  X.p = Vec3<S>::zero();
+  Pose<Scalar> X;
+  X.R = Mat3<Scalar>::identity();
+  X.p = Vec3<Scalar>::zero();
   switch (joint.kind) {
     case kScrewZ:
       X.R = planeMatrix(s.cosine[joint.idx_q], s.sine[joint.idx_q]);
-      X.p = Vec3<S>::make(o, o, q[0] * S(joint.pitch));
+      X.p = Vec3<Scalar>::make(o, o, q[0] * Scalar(joint.pitch));
       break;
     case kBall:
       X.R = quaternionMatrix(q);
       break;
     case kPlanar:
       X.R = planeMatrix(q[2], q[3]);
-      X.p = Vec3<S>::make(q[0], q[1], o);
+      X.p = Vec3<Scalar>::make(q[0], q[1], o);
       break;
     case kTranslate:
-      X.p = Vec3<S>::loadU(q);
+      X.p = Vec3<Scalar>::loadU(q);
       break;
     default:
       X.R = quaternionMatrix(q + 3);
-      X.p = Vec3<S>::loadU(q);
+      X.p = Vec3<Scalar>::loadU(q);
   }
   return X;
 }
 
 // S rate, in the joint's own axes.
-template <class S>
-inline Motion<S> subspaceTimes(const PackedJoint& joint, const S* rate) {
-  const S o(0);
-  const Vec3<S> zero = Vec3<S>::zero();
+template <class Scalar>
+inline SpatialMotion<Scalar> subspaceTimes(const PackedJoint& joint, const Scalar* rate) {
+  const Scalar o(0);
+  const Vec3<Scalar> zero = Vec3<Scalar>::zero();
   switch (joint.kind) {
     case kScrewZ:
-      return {Vec3<S>::make(o, o, rate[0]), Vec3<S>::make(o, o, rate[0] * S(joint.pitch))};
+      return {Vec3<Scalar>::make(o, o, rate[0]), Vec3<Scalar>::make(o, o, rate[0] * Scalar(joint.pitch))};
     case kBall:
-      return {Vec3<S>::loadU(rate), zero};
+      return {Vec3<Scalar>::loadU(rate), zero};
     case kPlanar:
-      return {Vec3<S>::make(o, o, rate[2]), Vec3<S>::make(rate[0], rate[1], o)};
+      return {Vec3<Scalar>::make(o, o, rate[2]), Vec3<Scalar>::make(rate[0], rate[1], o)};
     case kTranslate:
-      return {zero, Vec3<S>::loadU(rate)};
+      return {zero, Vec3<Scalar>::loadU(rate)};
     default:  // kFree: q has the position first, rates the angular part
-      return {Vec3<S>::loadU(rate), Vec3<S>::loadU(rate + 3)};
+      return {Vec3<Scalar>::loadU(rate), Vec3<Scalar>::loadU(rate + 3)};
   }
 }
 
@@ -103,52 +102,54 @@ inline const int* dofAxes(int kind) {
 }
 
 // Pose of joint i in its parent, both ways. Needs sine and cosine.
-template <class S>
-inline void jointPose(const PackedJoint& joint, const S* q, const Scratch<S>& s, Pose<S>& X) {
-  const Mat3<S> place = Mat3<S>::load(joint.place);
-  X.p = Vec3<S>::load(joint.offset);
+template <class Scalar>
+inline void jointPose(const PackedJoint& joint, const Scalar* q, const Scratch<Scalar>& s, Pose<Scalar>& X) {
+  const Mat3<Scalar> R_parent = Mat3<Scalar>::load(joint.R_parent);
+  X.p = Vec3<Scalar>::load(joint.p_parent);
   if (joint.kind == kTurnZ) {
-    const S sn = s.sine[joint.idx_q], cs = s.cosine[joint.idx_q];
-    X.R = {place.c0 * cs + place.c1 * sn, place.c1 * cs - place.c0 * sn, place.c2};
+    const Scalar sn = s.sine[joint.idx_q], cs = s.cosine[joint.idx_q];
+    X.R = {R_parent.c0 * cs + R_parent.c1 * sn, R_parent.c1 * cs - R_parent.c0 * sn, R_parent.c2};
     X.Rt = X.R.transposed();
   } else if (joint.kind == kSlideZ) {
-    X.R = place;
-    X.Rt = Mat3<S>::load(joint.placeT);
-    X.p = X.p + place.c2 * q[joint.idx_q];
+    X.R = R_parent;
+    X.Rt = Mat3<Scalar>::load(joint.R_parent_T);
+    X.p = X.p + R_parent.c2 * q[joint.idx_q];
   } else {
-    const Pose<S> moved = displacement(joint, q, s);
-    X.R = place * moved.R;
+    const Pose<Scalar> moved = displacement(joint, q, s);
+    X.R = R_parent * moved.R;
     X.Rt = X.R.transposed();
-    X.p = X.p + place * moved.p;
+    X.p = X.p + R_parent * moved.p;
   }
 }
 
 // m + S rate, in the joint's own axes.
-template <class S>
-inline Motion<S> plusS(const PackedJoint& joint, const Motion<S>& m, const S* rate) {
-  const S o(0);
-  if (joint.kind == kTurnZ) return {m.w + Vec3<S>::make(o, o, rate[0]), m.v};
-  if (joint.kind == kSlideZ) return {m.w, m.v + Vec3<S>::make(o, o, rate[0])};
+template <class Scalar>
+inline SpatialMotion<Scalar> plusS(const PackedJoint& joint, const SpatialMotion<Scalar>& m,
+                                   const Scalar* rate) {
+  const Scalar o(0);
+  if (joint.kind == kTurnZ) return {m.w + Vec3<Scalar>::make(o, o, rate[0]), m.v};
+  if (joint.kind == kSlideZ) return {m.w, m.v + Vec3<Scalar>::make(o, o, rate[0])};
   return m + subspaceTimes(joint, rate);
 }
 
 // v x S rate, in the joint's own axes.
-template <class S>
-inline Motion<S> crossS(const PackedJoint& joint, const Motion<S>& v, const S* rate) {
+template <class Scalar>
+inline SpatialMotion<Scalar> crossS(const PackedJoint& joint, const SpatialMotion<Scalar>& v,
+                                    const Scalar* rate) {
   if (joint.kind == kTurnZ) return {crossZ(v.w, rate[0]), crossZ(v.v, rate[0])};
-  if (joint.kind == kSlideZ) return {Vec3<S>::zero(), crossZ(v.w, rate[0])};
+  if (joint.kind == kSlideZ) return {Vec3<Scalar>::zero(), crossZ(v.w, rate[0])};
   return cross(v, subspaceTimes(joint, rate));
 }
 
 // S' f, in the joint's own axes.
-template <class S>
-inline void transposeS(const PackedJoint& joint, const Force<S>& f, S* tau) {
+template <class Scalar>
+inline void transposeS(const PackedJoint& joint, const SpatialForce<Scalar>& f, Scalar* tau) {
   if (joint.kind == kTurnZ) {
     tau[0] = f.n[2];
   } else if (joint.kind == kSlideZ) {
     tau[0] = f.f[2];
   } else if (joint.kind == kScrewZ) {
-    tau[0] = f.n[2] + f.f[2] * S(joint.pitch);
+    tau[0] = f.n[2] + f.f[2] * Scalar(joint.pitch);
   } else {
     const int* axis = dofAxes(joint.kind);
     for (int k = 0; k < joint.nv; ++k) tau[k] = axis[k] < 3 ? f.n[axis[k]] : f.f[axis[k] - 3];
@@ -156,45 +157,45 @@ inline void transposeS(const PackedJoint& joint, const Force<S>& f, S* tau) {
 }
 
 // World pose of joint i from its parent's. Needs sine and cosine.
-template <class S>
-inline void worldPose(const PackedJoint& joint, int i, const S* q, Scratch<S>& s) {
-  const Mat3<S>& up = s.R[joint.parent];
-  const Mat3<S> T = timesMatrix(up, joint.place);
-  s.p[i] = s.p[joint.parent] + times(up, joint.offset);
+template <class Scalar>
+inline void worldPose(const PackedJoint& joint, int i, const Scalar* q, Scratch<Scalar>& s) {
+  const Mat3<Scalar>& up = s.R[joint.parent];
+  const Mat3<Scalar> T = timesMatrix(up, joint.R_parent);
+  s.p[i] = s.p[joint.parent] + times(up, joint.p_parent);
   if (joint.kind == kTurnZ) {
-    const S sn = s.sine[joint.idx_q], cs = s.cosine[joint.idx_q];
+    const Scalar sn = s.sine[joint.idx_q], cs = s.cosine[joint.idx_q];
     s.R[i] = {T.c0 * cs + T.c1 * sn, T.c1 * cs - T.c0 * sn, T.c2};
   } else if (joint.kind == kSlideZ) {
     s.R[i] = T;
     s.p[i] = s.p[i] + T.c2 * q[joint.idx_q];
   } else {
-    const Pose<S> moved = displacement(joint, q, s);
+    const Pose<Scalar> moved = displacement(joint, q, s);
     s.R[i] = T * moved.R;
     s.p[i] = s.p[i] + T * moved.p;
   }
 }
 
 // The columns of S of joint i (one per dof), world axes.
-template <class S>
-inline void worldColumns(const PackedJoint& joint, int i, Scratch<S>& s) {
-  Motion<S>* column = &s.column[joint.idx_v];
-  const Mat3<S>& R = s.R[i];
-  const Vec3<S>& p = s.p[i];
-  const Vec3<S> zero = Vec3<S>::zero();
+template <class Scalar>
+inline void worldSubspace(const PackedJoint& joint, int i, Scratch<Scalar>& s) {
+  SpatialMotion<Scalar>* S = &s.S[joint.idx_v];
+  const Mat3<Scalar>& R = s.R[i];
+  const Vec3<Scalar>& p = s.p[i];
+  const Vec3<Scalar> zero = Vec3<Scalar>::zero();
   if (joint.kind == kTurnZ) {
-    column[0] = {R.c2, cross(p, R.c2)};
+    S[0] = {R.c2, cross(p, R.c2)};
   } else if (joint.kind == kSlideZ) {
-    column[0] = {zero, R.c2};
+    S[0] = {zero, R.c2};
   } else if (joint.kind == kScrewZ) {
-    column[0] = {R.c2, cross(p, R.c2) + R.c2 * S(joint.pitch)};
+    S[0] = {R.c2, cross(p, R.c2) + R.c2 * Scalar(joint.pitch)};
   } else {
-    const Vec3<S> axes[] = {R.c0, R.c1, R.c2};
+    const Vec3<Scalar> axes[] = {R.c0, R.c1, R.c2};
     const int* axis = dofAxes(joint.kind);
     for (int k = 0; k < joint.nv; ++k) {
       if (axis[k] < 3) {
-        column[k] = {axes[axis[k]], cross(p, axes[axis[k]])};
+        S[k] = {axes[axis[k]], cross(p, axes[axis[k]])};
       } else {
-        column[k] = {zero, axes[axis[k] - 3]};
+        S[k] = {zero, axes[axis[k] - 3]};
       }
     }
   }

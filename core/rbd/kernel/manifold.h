@@ -1,8 +1,8 @@
 // The spaces that configurations of joints live in, each with the same few operations on plain arrays. Joint
 // kinds name theirs (model/joint.h). twist(v) is v as a body twist, add(v, w) what moving along it adds to v. d
 // integrate / d q, d integrate / d v and the like follow from
-//   carry(v):    how a change of q arrives at the end of the way v      (Ad(exp v)^-1)
-//   right(v):    how a change of v moves the end                        (right Jacobian), and its inverse
+//   adjointInverse(v):  Ad(exp v)^-1, how a change of q moves the end integrate(q, v)
+//   rightJacobian(v):   how a change of v moves that end; and its inverse
 // Source: Sola, Deray, Atchuthan, A micro Lie theory, 2018.
 #pragma once
 
@@ -20,10 +20,10 @@ inline Eigen::Quaterniond quaternion(const double* q) {
   return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
 }
 
-// The turn by |w| about w: exp3Quaternion(w) and leftJacobian3(w) x from one sine and cosine.
-class Turn {
+// The rotation by |w| about w: exp3Quaternion(w) and leftJacobian3(w) x from one sine and cosine.
+class RotationStep {
  public:
-  explicit Turn(const double* w) : w_(w[0], w[1], w[2]) {
+  explicit RotationStep(const double* w) : w_(w[0], w[1], w[2]) {
     const double t = w_.norm(), half = t / 2;
     double s[4], c[4];
     sincosAll(1, &half, s, c);
@@ -31,14 +31,14 @@ class Turn {
     sine_over_t_ = halfSineOverAngle(t, s[0]);
     second_ = secondTerm(t, 2 * s[0] * c[0]);
   }
-  // q turned by it, of length 1 again: one Newton step is exact, since rounding alone took it away.
+  // q turned by it. Its length differs from 1 by rounding alone, so one Newton step makes it 1 again.
   Eigen::Quaterniond appliedTo(const Eigen::Quaterniond& q) const {
     const Eigen::Vector3d xyz = sine_over_t_ * w_;
     const Eigen::Vector4d end = (q * Eigen::Quaterniond(cosine_, xyz.x(), xyz.y(), xyz.z())).coeffs();
     return Eigen::Quaterniond((1.5 - 0.5 * end.squaredNorm()) * end);
   }
-  // The way of a body that turns by it while it moves with x, in axes of the start.
-  Eigen::Vector3d way(const Eigen::Vector3d& x) const {
+  // How far a body comes that turns by it while it moves with x, in axes of the start.
+  Eigen::Vector3d displacement(const Eigen::Vector3d& x) const {
     const Eigen::Vector3d wx = w_.cross(x);
     return x + 2 * sine_over_t_ * sine_over_t_ * wx + second_ * w_.cross(wx);
   }
@@ -57,11 +57,11 @@ struct RotationSpace {
   static void add(const double* v, const Vector6d& more, double* out) {
     for (int k = 0; k < 3; ++k) out[k] = v[k] + more[k];
   }
-  static SmallMatrix carry(const double* v) { return exp3(-vec(v)); }
-  static SmallMatrix right(const double* v) { return leftJacobian3(-vec(v)); }
-  static SmallMatrix rightInverse(const double* v) { return leftJacobian3Inverse(-vec(v)); }
+  static SmallMatrix adjointInverse(const double* v) { return exp3(-vec(v)); }
+  static SmallMatrix rightJacobian(const double* v) { return leftJacobian3(-vec(v)); }
+  static SmallMatrix rightJacobianInverse(const double* v) { return leftJacobian3Inverse(-vec(v)); }
   static void integrate(const double* q, const double* v, double* out) {
-    const Eigen::Quaterniond end = Turn(v).appliedTo(quaternion(q));
+    const Eigen::Quaterniond end = RotationStep(v).appliedTo(quaternion(q));
     for (int k = 0; k < 4; ++k) out[k] = end.coeffs()[k];
   }
   static void difference(const double* q0, const double* q1, double* out) {
@@ -77,22 +77,22 @@ struct PoseSpace {
     for (int k = 0; k < 6; ++k) out[k] = v[k] + more[k];
   }
   static Motion minus(const double* v) { return {{-v[0], -v[1], -v[2]}, {-v[3], -v[4], -v[5]}}; }
-  static SmallMatrix carry(const double* v) { return exp6(minus(v)).toActionMatrix(); }
-  static SmallMatrix right(const double* v) { return leftJacobian6(minus(v)); }
-  static SmallMatrix rightInverse(const double* v) { return leftJacobian6Inverse(minus(v)); }
+  static SmallMatrix adjointInverse(const double* v) { return exp6(minus(v)).toActionMatrix(); }
+  static SmallMatrix rightJacobian(const double* v) { return leftJacobian6(minus(v)); }
+  static SmallMatrix rightJacobianInverse(const double* v) { return leftJacobian6Inverse(minus(v)); }
   static void integrate(const double* q, const double* v, double* out) {
-    const Turn turn(v);
-    const Eigen::Quaterniond start = quaternion(q + 3), end = turn.appliedTo(start);
-    const Eigen::Vector3d moved = start * turn.way({v[3], v[4], v[5]});
+    const RotationStep step(v);
+    const Eigen::Quaterniond start = quaternion(q + 3), end = step.appliedTo(start);
+    const Eigen::Vector3d moved = start * step.displacement({v[3], v[4], v[5]});
     for (int k = 0; k < 3; ++k) out[k] = q[k] + moved[k];
     for (int k = 0; k < 4; ++k) out[3 + k] = end.coeffs()[k];
   }
   // through quaternions, which stay accurate up to half a turn
   static void difference(const double* q0, const double* q1, double* out) {
     RotationSpace::difference(q0 + 3, q1 + 3, out);
-    const Eigen::Vector3d way(q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]);
+    const Eigen::Vector3d between(q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]);
     const Eigen::Vector3d v =
-        leftJacobian3Inverse({out[0], out[1], out[2]}) * (quaternion(q0 + 3).conjugate() * way);
+        leftJacobian3Inverse({out[0], out[1], out[2]}) * (quaternion(q0 + 3).conjugate() * between);
     for (int k = 0; k < 3; ++k) out[3 + k] = v[k];
   }
 };
@@ -115,9 +115,13 @@ struct PlanarSpace {
     explicit Twist(const double* v) : x{0, 0, v[2], v[0], v[1], 0} {}
     double x[6];
   };
-  static SmallMatrix carry(const double* v) { return inPlane(PoseSpace::carry(Twist(v).x)); }
-  static SmallMatrix right(const double* v) { return inPlane(PoseSpace::right(Twist(v).x)); }
-  static SmallMatrix rightInverse(const double* v) { return inPlane(PoseSpace::rightInverse(Twist(v).x)); }
+  static SmallMatrix adjointInverse(const double* v) {
+    return inPlane(PoseSpace::adjointInverse(Twist(v).x));
+  }
+  static SmallMatrix rightJacobian(const double* v) { return inPlane(PoseSpace::rightJacobian(Twist(v).x)); }
+  static SmallMatrix rightJacobianInverse(const double* v) {
+    return inPlane(PoseSpace::rightJacobianInverse(Twist(v).x));
+  }
   static void lift(const double* q, double* pose) {
     // half the angle, without an angle: the larger of 1 + c and 1 - c is taken
     const double n = std::hypot(q[2], q[3]), c = q[2] / n, s = q[3] / n;

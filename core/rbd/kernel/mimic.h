@@ -9,7 +9,7 @@
 
 namespace rbd::inner {
 
-inline const double* treeQ(const Model& model, Workspace& work, const ConstVectorRef& q) {
+inline const double* expandQ(const Model& model, Workspace& work, const ConstVectorRef& q) {
   const MimicMap& map = model.tree().mimic;
   if (map.identity) return q.data();
   for (std::size_t k = 0; k < work.q.size(); ++k) {
@@ -18,19 +18,19 @@ inline const double* treeQ(const Model& model, Workspace& work, const ConstVecto
   return work.q.data();
 }
 
-// `scratch`: work.v or work.a.
-inline const double* treeV(const Model& model, std::vector<double>& scratch, const ConstVectorRef& v) {
+// `expanded`: work.v or work.a.
+inline const double* expandV(const Model& model, std::vector<double>& expanded, const ConstVectorRef& v) {
   const MimicMap& map = model.tree().mimic;
   if (map.identity) return v.data();
-  for (std::size_t k = 0; k < scratch.size(); ++k) scratch[k] = map.v_ratio[k] * v[map.v_source[k]];
-  return scratch.data();
+  for (std::size_t k = 0; k < expanded.size(); ++k) expanded[k] = map.v_ratio[k] * v[map.v_source[k]];
+  return expanded.data();
 }
 
 // Where a kernel writes nv_tree efforts that belong into `out`, and the way from there to `out`.
-inline double* treeOut(const Model& model, Workspace& work, Eigen::VectorXd& out) {
+inline double* kernelOutput(const Model& model, Workspace& work, Eigen::VectorXd& out) {
   return model.tree().mimic.identity ? out.data() : work.tau.data();
 }
-inline void gather(const Model& model, const Workspace& work, Eigen::VectorXd& out) {
+inline void collapse(const Model& model, const Workspace& work, Eigen::VectorXd& out) {
   const MimicMap& map = model.tree().mimic;
   if (map.identity) return;
   out.setZero();
@@ -38,10 +38,10 @@ inline void gather(const Model& model, const Workspace& work, Eigen::VectorXd& o
 }
 
 // The same for matrices with one column per dof (rows as they are) ..
-inline double* treeOut(const Model& model, PaddedMatrix& scratch, PaddedMatrix& out) {
+inline double* kernelOutput(const Model& model, PaddedMatrix& scratch, PaddedMatrix& out) {
   return model.tree().mimic.identity ? out.data() : scratch.data();
 }
-inline void gatherColumns(const Model& model, const PaddedMatrix& scratch, PaddedMatrix& out) {
+inline void collapseColumns(const Model& model, const PaddedMatrix& scratch, PaddedMatrix& out) {
   const MimicMap& map = model.tree().mimic;
   if (map.identity) return;
   out.setZero();
@@ -49,7 +49,7 @@ inline void gatherColumns(const Model& model, const PaddedMatrix& scratch, Padde
     out.col(map.v_source[k]) += map.v_ratio[k] * scratch.col(k);
 }
 // .. and with one row and one column per dof.
-inline void gatherBothSides(const Model& model, const PaddedMatrix& scratch, PaddedMatrix& out) {
+inline void collapseBothSides(const Model& model, const PaddedMatrix& scratch, PaddedMatrix& out) {
   const MimicMap& map = model.tree().mimic;
   if (map.identity) return;
   out.setZero();

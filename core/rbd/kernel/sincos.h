@@ -60,8 +60,8 @@ inline void sincos4(Lanes4 x, Lanes4& sine, Lanes4& cosine) {
 }
 
 // s[i], c[i] of x[i], i < n. The outputs have room for n rounded up to 4.
-template <class S>
-inline void sincosAll(int n, const S* x, S* s, S* c) {
+template <class Scalar>
+inline void sincosAll(int n, const Scalar* x, Scalar* s, Scalar* c) {
   for (int i = 0; i < n; ++i) {
     s[i] = std::sin(x[i]);
     c[i] = std::cos(x[i]);

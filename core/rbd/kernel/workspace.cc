@@ -4,31 +4,32 @@
 
 namespace rbd::inner {
 
-template <class S>
-Scratch<S>::Scratch(const Model& model) {
+template <class Scalar>
+Scratch<Scalar>::Scratch(const Model& model) {
   const KernelTree& tree = model.tree();
   const auto bodies = tree.joints.size(), nv = static_cast<std::size_t>(tree.nv);
   sine.resize(static_cast<std::size_t>(tree.nq) + 3);
   cosine.resize(sine.size());
   X.resize(bodies);
-  R.assign(bodies, Mat3<S>::identity());
-  p.assign(bodies, Vec3<S>::zero());
-  column.assign(nv, Motion<S>::zero());
+  R.assign(bodies, Mat3<Scalar>::identity());
+  p.assign(bodies, Vec3<Scalar>::zero());
+  S.assign(nv, SpatialMotion<Scalar>::zero());
   I.resize(bodies);
   dI.resize(bodies);
-  v.assign(bodies, Motion<S>::zero());
-  a.assign(bodies, Motion<S>::zero());
-  f.assign(bodies, Force<S>::zero());
+  v.assign(bodies, SpatialMotion<Scalar>::zero());
+  a.assign(bodies, SpatialMotion<Scalar>::zero());
+  f.assign(bodies, SpatialForce<Scalar>::zero());
   B.resize(bodies);
-  for (std::vector<Motion<S>>* x : {&rate, &rest, &rest2}) x->assign(nv, Motion<S>::zero());
+  for (std::vector<SpatialMotion<Scalar>>* x : {&Sd, &Psid, &Psidd})
+    x->assign(nv, SpatialMotion<Scalar>::zero());
   IA.resize(bodies);
-  U.assign(nv, Force<S>::zero());
+  U.assign(nv, SpatialForce<Scalar>::zero());
   inverseD.resize(nv);
   u.resize(nv);
   largestD.resize(bodies);
 }
 
-Workspace::Workspace(const Model& model) : topology(model.topology()), d(model) {
+Workspace::Workspace(const Model& model) : topology(model.topology()), scratch(model) {
   const KernelTree& tree = model.tree();
   const auto nv = static_cast<std::size_t>(tree.nv);
   dofParent.assign(nv, -1);
@@ -65,8 +66,8 @@ Workspace::Workspace(const Model& model) : topology(model.topology()), d(model) 
   stride = (tree.nv + 7) / 8 * 8;
   if (!depthFirst) W.assign(nv * static_cast<std::size_t>(stride), 0.0);
 
-  for (std::vector<Motion<double>>* x : {&kept.column, &kept.rate, &kept.rest, &kept.rest2}) x->resize(nv);
-  for (std::vector<Motion<double>>* x : {&kept.v, &kept.a}) x->resize(tree.joints.size());
+  for (std::vector<SpatialMotion<double>>* x : {&kept.S, &kept.Sd, &kept.Psid, &kept.Psidd}) x->resize(nv);
+  for (std::vector<SpatialMotion<double>>* x : {&kept.v, &kept.a}) x->resize(tree.joints.size());
   related.resize(nv);
   inside.resize(tree.joints.size());
   eliminationParent = dofParent;
@@ -83,8 +84,8 @@ Workspace::Workspace(const Model& model) : topology(model.topology()), d(model) 
     for (PaddedMatrix* x : {&M, &M2}) *x = PaddedMatrix(tree.nv, tree.nv);
   }
 
-  d.F.assign(static_cast<std::size_t>(6 * stride), 0.0);
-  d.P.assign(static_cast<std::size_t>(6 * stride) * static_cast<std::size_t>(deepest + 1), 0.0);
+  scratch.F.assign(static_cast<std::size_t>(6 * stride), 0.0);
+  scratch.P.assign(static_cast<std::size_t>(6 * stride) * static_cast<std::size_t>(deepest + 1), 0.0);
 }
 
 template struct Scratch<double>;

@@ -15,34 +15,34 @@
 
 namespace rbd::inner {
 
-template <class S>
+template <class Scalar>
 struct Scratch {
   explicit Scratch(const Model& model);
 
   // bodies and dofs are those of the kernels' tree (packed_joint.h)
-  std::vector<S> sine, cosine;        // nq + 3: of every entry of q (only those of angles are used)
-  std::vector<Pose<S>> X;             // bodies, joint in its parent                  localPoses
-  std::vector<Mat3<S>> R;             // bodies, kernel frame in world axes           worldPoses
-  std::vector<Vec3<S>> p;             // bodies, its origin from the centre (m)       worldPoses
-  Vec3<S> centre = Vec3<S>::zero();   // in the world (m)                             worldPoses
-  std::vector<Motion<S>> column;      // nv, motion of one dof, world axes            worldColumns
-  std::vector<RigidInertia<S>> I;     // bodies, world axes                           worldInertias
-  std::vector<RigidInertia<S>> dI;    // bodies, its rate             computeCentroidalMapTimeVariation
-  std::vector<Motion<S>> v, a;        // bodies, local or world as the algorithm says
-  std::vector<Force<S>> f;            // bodies, the same
-  std::vector<CoriolisInertia<S>> B;  // bodies, world axes                           coriolisTerms
-  std::vector<Motion<S>> rate, rest,
-      rest2;                              // nv, of a column: its rate; what of it stays behind (motionRates)
-  std::vector<ArticulatedInertia<S>> IA;  // bodies, world axes                         aba, computeMinverse
-  std::vector<Force<S>> U;                // nv, IA column
-  std::vector<S> inverseD, u;             // nv
-  std::vector<S> largestD;                // bodies, over all dofs at and beyond a joint
-  std::vector<S> F, P;  // 6 x stride and 6 x stride per depth: one row per force or motion coordinate
+  std::vector<Scalar> sine, cosine;            // nq + 3: of every entry of q (only those of angles are used)
+  std::vector<Pose<Scalar>> X;                 // bodies, joint in its parent                  localPoses
+  std::vector<Mat3<Scalar>> R;                 // bodies, kernel frame in world axes           worldPoses
+  std::vector<Vec3<Scalar>> p;                 // bodies, its origin from the centre (m)       worldPoses
+  Vec3<Scalar> centre = Vec3<Scalar>::zero();  // in the world (m)                             worldPoses
+  std::vector<SpatialMotion<Scalar>> S;        // nv, motion subspace dof by dof, world axes  worldSubspace
+  std::vector<RigidInertia<Scalar>> I;         // bodies, world axes                           worldInertias
+  std::vector<RigidInertia<Scalar>> dI;     // bodies, its rate             computeCentroidalMapTimeVariation
+  std::vector<SpatialMotion<Scalar>> v, a;  // bodies, local or world as the algorithm says
+  std::vector<SpatialForce<Scalar>> f;      // bodies, the same
+  std::vector<CoriolisInertia<Scalar>> B;   // bodies, world axes                           coriolisTerms
+  std::vector<SpatialMotion<Scalar>> Sd, Psid, Psidd;  // nv, world axes                    motionRates
+  std::vector<ArticulatedInertia<Scalar>>
+      IA;                               // bodies, world axes                         aba, computeMinverse
+  std::vector<SpatialForce<Scalar>> U;  // nv, IA S
+  std::vector<Scalar> inverseD, u;      // nv
+  std::vector<Scalar> largestD;         // bodies, over all dofs at and beyond a joint
+  std::vector<Scalar> F, P;  // 6 x stride and 6 x stride per depth: one row per force or motion coordinate
 };
 
 // What computeForwardKinematicsDerivatives leaves for its getters; names as in Scratch.
 struct KeptRates {
-  std::vector<Motion<double>> column, rate, rest, rest2, v, a;
+  std::vector<SpatialMotion<double>> S, Sd, Psid, Psidd, v, a;
   Vec3<double> centre = Vec3<double>::zero();
   bool there = false;
 };
@@ -59,7 +59,7 @@ struct Workspace {
   bool depthFirst = true;       // order is 0, 1, 2, ..
   int stride = 0;               // nv rounded up to 8
   std::vector<double> W;        // nv x stride, Minv in depth-first order where that is not the model's
-  Scratch<double> d;
+  Scratch<double> scratch;
   KeptRates kept;
   std::vector<int> related;  // nv, dofs that one dof moves or is moved by
   std::vector<bool> inside;  // bodies, marks

@@ -17,9 +17,9 @@ void storeVector(double* out, const Eigen::Vector3d& v) {
 }
 
 // The moving body's kernel frame in the user's frame of the joint.
-Eigen::Matrix3d turnOf(const JointModel& joint) {
+Eigen::Matrix3d userFromKernel(const JointModel& joint) {
   const Eigen::Vector3d& axis = joint.kind() == JointKind::Universal ? joint.axis2() : joint.axis();
-  return axis.isZero() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : turnZTo(axis);
+  return axis.isZero() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : rotationWithZ(axis);
 }
 
 KernelKind kernelKind(JointKind kind) {
@@ -46,24 +46,24 @@ KernelKind kernelKind(JointKind kind) {
   return kNone;
 }
 
-// Kernel frames before (`up`) and behind (`turn`) a joint that stands at `placement` between the user's
-// frames.
-void placeKernelFrame(PackedJoint& p, const Eigen::Matrix3d& up, const SE3& placement,
-                      const Eigen::Matrix3d& turn) {
-  const Eigen::Matrix3d place = up.transpose() * placement.rotation() * turn;
-  storeMatrix(p.turn, turn);
-  storeMatrix(p.turnT, turn.transpose());
-  storeMatrix(p.place, place);
-  storeMatrix(p.placeT, place.transpose());
-  storeVector(p.offset, Eigen::Vector3d(up.transpose() * placement.translation()));
+// Of a joint that stands at `placement` between the user's frames; R_before and R_user are the kernel frames of
+// its parent and its own, each in the user's frame of that joint.
+void placeKernelFrame(PackedJoint& p, const Eigen::Matrix3d& R_before, const SE3& placement,
+                      const Eigen::Matrix3d& R_user) {
+  const Eigen::Matrix3d R_parent = R_before.transpose() * placement.rotation() * R_user;
+  storeMatrix(p.R_user, R_user);
+  storeMatrix(p.R_user_T, R_user.transpose());
+  storeMatrix(p.R_parent, R_parent);
+  storeMatrix(p.R_parent_T, R_parent.transpose());
+  storeVector(p.p_parent, Eigen::Vector3d(R_before.transpose() * placement.translation()));
 }
 
 // A body given in the user's frame of its joint.
-void storeBody(PackedJoint& p, const Inertia& body, const Eigen::Matrix3d& turn) {
-  const Eigen::Vector3d com = turn.transpose() * body.lever();
-  const Eigen::Matrix3d inertia = turn.transpose() * body.inertia() * turn;
+void storeBody(PackedJoint& p, const Inertia& body, const Eigen::Matrix3d& R_user) {
+  const Eigen::Vector3d com = R_user.transpose() * body.lever();
+  const Eigen::Matrix3d inertia = R_user.transpose() * body.inertia() * R_user;
   storeMatrix(p.inertia, inertia);
-  storeMatrix(p.inertiaO, Inertia(body.mass(), com, inertia).matrix().topLeftCorner<3, 3>());
+  storeMatrix(p.inertia_at_origin, Inertia(body.mass(), com, inertia).matrix().topLeftCorner<3, 3>());
   storeVector(p.com, com);
   storeVector(p.moment, Eigen::Vector3d(body.mass() * com));
   p.mass = body.mass();
@@ -90,17 +90,17 @@ void Model::grow(const JointModel& joint, JointIndex parent) {
 
 void Model::pack(JointIndex i) {
   const JointModel& joint = joints[i];
-  const Eigen::Matrix3d turn = turnOf(joint);
+  const Eigen::Matrix3d R_user = userFromKernel(joint);
   PackedJoint& body = tree_.joints[static_cast<std::size_t>(tree_.bodyOf[i])];
   if (joint.kind() == JointKind::Universal) {
     PackedJoint& first = *(&body - 1);
-    const Eigen::Matrix3d between = turnZTo(joint.axis());
-    placeKernelFrame(first, turnOf(joints[parents[i]]), jointPlacements[i], between);
-    placeKernelFrame(body, between, SE3::Identity(), turn);
+    const Eigen::Matrix3d between = rotationWithZ(joint.axis());
+    placeKernelFrame(first, userFromKernel(joints[parents[i]]), jointPlacements[i], between);
+    placeKernelFrame(body, between, SE3::Identity(), R_user);
   } else {
-    placeKernelFrame(body, turnOf(joints[parents[i]]), jointPlacements[i], turn);
+    placeKernelFrame(body, userFromKernel(joints[parents[i]]), jointPlacements[i], R_user);
   }
-  storeBody(body, inertias[i], turn);
+  storeBody(body, inertias[i], R_user);
 }
 
 void Model::renumber() {

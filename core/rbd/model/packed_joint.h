@@ -2,9 +2,9 @@
 // users.
 //
 // It differs from the user's Model in three ways, so that no kernel needs to know of them:
-// - every joint with one axis is ALIGNED (by `turn`): its kernel frame has the user's origin and a z axis
+// - every joint with one axis is ALIGNED (by R_user): its kernel frame has the user's origin and a z axis
 //   along the joint axis, so that one kernel moves all of them about or along z. Where the two frames meet
-//   (here and at the public face): R_user = R_kernel * turn^T;
+//   (here and in algorithm/to_user_frames.h) a rotation is taken back by R_user_T;
 // - a universal joint is two turning joints with a massless body between;
 // - joints that mimic others are independent: the tree has its own q and v (tree.nq, tree.nv entries),
 //   which a linear map makes from the user's; efforts come back by its transpose (kernel/mimic.h).
@@ -19,15 +19,15 @@
 namespace rbd {
 
 struct alignas(64) PackedJoint {
-  double turn[12];      // kernel frame of this joint in the user's frame of this joint
-  double turnT[12];     // its transpose
-  double place[12];     // kernel frame at q = 0 in the parent's kernel frame: rotation,
-  double placeT[12];    // its transpose,
-  double offset[4];     // and origin (m)
-  double inertia[12];   // rotational inertia about the CENTRE OF MASS, kernel axes (kg m^2)
-  double inertiaO[12];  // the same about the joint's origin
-  double com[4];        // centre of mass from the joint's origin, kernel axes (m)
-  double moment[4];     // mass * com (kg m)
+  double R_user[12];             // kernel frame of this joint in the user's frame of this joint
+  double R_user_T[12];           // its transpose
+  double R_parent[12];           // kernel frame at q = 0 in the parent's kernel frame: rotation,
+  double R_parent_T[12];         // its transpose,
+  double p_parent[4];            // and origin (m)
+  double inertia[12];            // rotational inertia about the CENTRE OF MASS, kernel axes (kg m^2)
+  double inertia_at_origin[12];  // the same about the joint's origin
+  double com[4];                 // centre of mass from the joint's origin, kernel axes (m)
+  double moment[4];              // mass * com (kg m)
   double mass;
   double pitch;  // kScrewZ: m/rad
   int parent;    // in KernelTree::joints

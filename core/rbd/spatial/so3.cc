@@ -91,7 +91,7 @@ bool isRotation(const Eigen::Matrix3d& R, double tol) {
   return error <= tol && R.determinant() > 0;
 }
 
-Eigen::Matrix3d turnZTo(const Eigen::Vector3d& axis) {
+Eigen::Matrix3d rotationWithZ(const Eigen::Vector3d& axis) {
   // exact permutations for the coordinate axes, so that no rounding enters the common robots
   Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k) {

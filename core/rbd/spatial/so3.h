@@ -50,6 +50,6 @@ Eigen::Vector3d matrixToRpy(const Eigen::Matrix3d& R);
 bool isRotation(const Eigen::Matrix3d& R, double tol = 1e-9);
 
 // A rotation whose third column is the unit vector `axis`; a plain permutation for +x, +y, +z.
-Eigen::Matrix3d turnZTo(const Eigen::Vector3d& axis);
+Eigen::Matrix3d rotationWithZ(const Eigen::Vector3d& axis);
 
 }  // namespace rbd

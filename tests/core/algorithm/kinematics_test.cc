@@ -31,7 +31,7 @@ SE3 jointPose(const JointModel& joint, const Eigen::VectorXd& q) {
     case JointKind::Spherical:
       return SE3(Eigen::Quaterniond(x[3], x[0], x[1], x[2]), Eigen::Vector3d::Zero());
     case JointKind::Planar: {
-      const SE3 plane(turnZTo(joint.axis()), Eigen::Vector3d::Zero());
+      const SE3 plane(rotationWithZ(joint.axis()), Eigen::Vector3d::Zero());
       return plane * SE3(exp3({0, 0, std::atan2(x[3], x[2])}), {x[0], x[1], 0}) * plane.inverse();
     }
     case JointKind::Translation:

@@ -122,13 +122,13 @@ TEST(So3, TurnZToEveryAxis) {
   axes.push_back(Eigen::Vector3d(1e-9, 0, -1).normalized());
   for (int k = 0; k < 20; ++k) axes.push_back(random.vec3().normalized());
   for (const auto& axis : axes) {
-    const Eigen::Matrix3d R = turnZTo(axis);
+    const Eigen::Matrix3d R = rotationWithZ(axis);
     EXPECT_TRUE(isRotation(R, 16 * kEps)) << axis.transpose();
     EXPECT_EQ(R.col(2), axis);
   }
   // exact permutations: no rounding for the common joints
-  EXPECT_EQ((turnZTo({1, 0, 0}).array() == 0 || turnZTo({1, 0, 0}).array() == 1).all(), true);
-  EXPECT_EQ((turnZTo({0, 1, 0}).array() == 0 || turnZTo({0, 1, 0}).array() == 1).all(), true);
+  EXPECT_EQ((rotationWithZ({1, 0, 0}).array() == 0 || rotationWithZ({1, 0, 0}).array() == 1).all(), true);
+  EXPECT_EQ((rotationWithZ({0, 1, 0}).array() == 0 || rotationWithZ({0, 1, 0}).array() == 1).all(), true);
 }
 
 TEST(So3, NanIsNoRotation) {
