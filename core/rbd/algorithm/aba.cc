@@ -1,5 +1,6 @@
 #include "rbd/algorithm/aba.h"
 
+#include "rbd/algorithm/argument_checks.h"
 #include "rbd/algorithm/cholesky.h"
 #include "rbd/algorithm/crba.h"
 #include "rbd/algorithm/kernels.h"

@@ -1,4 +1,4 @@
-// Everything at once, for those who need most of it.
+// All terms of the equation of motion in one call, for programs that need most of them.
 #pragma once
 
 #include "rbd/algorithm/kinematics.h"

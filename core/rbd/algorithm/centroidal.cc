@@ -1,5 +1,6 @@
 #include "rbd/algorithm/centroidal.h"
 
+#include "rbd/algorithm/argument_checks.h"
 #include "rbd/algorithm/whole_body.h"
 #include "rbd/kernel/motion_rates.h"
 

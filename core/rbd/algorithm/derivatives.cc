@@ -1,6 +1,7 @@
 #include "rbd/algorithm/derivatives.h"
 
 #include "rbd/algorithm/aba.h"
+#include "rbd/algorithm/argument_checks.h"
 #include "rbd/algorithm/minverse.h"
 #include "rbd/kernel/mimic.h"
 #include "rbd/kernel/motion_rates.h"
@@ -44,14 +45,14 @@ void rneaDerivativesKernel(const Model& model, const int* dof_parent, Scratch<do
     const int end = joint.idx_v + joint.nv;
     for (int k = joint.idx_v; k < end; ++k) {
       const SpatialMotion<double>& S = s.S[k];
-      // row k: how the effort of dof k answers to the dofs that carry it, and to those of its own joint
+      // row k: how the effort of dof k depends on the dofs that carry it, and on those of its own joint
       const SpatialForce<double> inertia = s.I[i] * S, coriolis = s.B[i].transposeTimes(S) * 2.0;
       const auto row = [&](int l) {
         out.dq[l * out.stride + k] = dot(s.Psidd[l], inertia) + dot(s.Psid[l], coriolis);
         out.dv[l * out.stride + k] = dot(s.Sd[l] + s.Psid[l], inertia) + dot(s.S[l], coriolis);
       };
       for (int l = joint.idx_v; l < end; ++l) row(l);
-      // column k: how the efforts of those that carry it answer to dof k
+      // column k: how the efforts of those that carry it depend on dof k
       const SpatialForce<double> by_q =
           s.I[i] * s.Psidd[k] + s.B[i] * s.Psid[k] * 2.0 + crossForce(S, s.f[i]);
       const SpatialForce<double> by_v = s.I[i] * (s.Sd[k] + s.Psid[k]) + s.B[i] * S * 2.0;

@@ -1,3 +1,4 @@
+#include "rbd/algorithm/argument_checks.h"
 #include "rbd/algorithm/kernels.h"
 #include "rbd/algorithm/rnea.h"
 #include "rbd/kernel/forward_passes.h"

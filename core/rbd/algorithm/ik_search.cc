@@ -5,6 +5,7 @@
 
 #include "rbd/algorithm/configuration.h"
 #include "rbd/algorithm/jacobian.h"
+#include "rbd/kernel/joint_kinds.h"
 
 namespace rbd::inner {
 namespace {
@@ -32,30 +33,18 @@ void solve(Eigen::MatrixXd& A, Eigen::VectorXd& r, Eigen::Index n) {
 
 // The farthest that a joint's moving part comes from its place at neutral, m.
 double travel(const Model& model, JointIndex j) {
-  const JointModel& joint = model.joints[j];
-  double ratio = 1, offset = 0;
-  JointIndex leader = j;
-  for (; model.joints[leader].mimics(); leader = model.mimic(leader).leader) {
-    offset += ratio * model.mimic(leader).offset;
-    ratio *= model.mimic(leader).multiplier;
-  }
+  const KernelTree& tree = model.tree();
   const auto largest = [&](int k) {
-    return std::max(std::abs(model.lowerPositionLimit[k]), std::abs(model.upperPositionLimit[k]));
+    const int at = tree.mimic.q_source[k];
+    return std::abs(tree.mimic.q_ratio[k]) *
+               std::max(std::abs(model.lowerPositionLimit[at]), std::abs(model.upperPositionLimit[at])) +
+           std::abs(tree.mimic.q_offset[k]);
   };
-  const int at = joint.idx_q();
-  switch (joint.kind()) {
-    case JointKind::Prismatic:
-      return std::abs(ratio) * largest(at) + std::abs(offset);
-    case JointKind::Helical:
-      return std::abs(joint.pitch()) * (std::abs(ratio) * largest(at) + std::abs(offset));
-    case JointKind::Planar:
-      return std::hypot(largest(at), largest(at + 1));
-    case JointKind::Translation:
-    case JointKind::FreeFlyer:
-      return std::hypot(largest(at), largest(at + 1), largest(at + 2));
-    default:
-      return 0;
+  double sum = 0;
+  for (int k = 0; k < traits(model.joints[j].kind()).kernel_joints; ++k) {
+    sum += largestDisplacement(tree.joints[tree.bodyOf[j] - k], largest);
   }
+  return sum;
 }
 
 }  // namespace
@@ -272,22 +261,22 @@ void IkSearch::relax(IkErrors& errors) {
 
 JointIndex IkSearch::limit() const {
   JointIndex worst = 0;
-  double most = 1e-6 * std::sqrt(size_) * s_.e.head(rows_).norm();
+  double largest = 1e-6 * std::sqrt(size_) * s_.e.head(rows_).norm();
   for (JointIndex j = 1; j < model_.njoints; ++j) {
     const JointModel& joint = model_.joints[j];
-    double pull = 0;
+    double beyond = 0;
     if (isVectorSpace(joint.manifold())) {
       for (int k = joint.idx_v(); k < joint.idx_v() + joint.nv(); ++k)
-        if (blocked(k)) pull = std::max(pull, std::abs(s_.gradient[k]));
+        if (blocked(k)) beyond = std::max(beyond, std::abs(s_.gradient[k]));
     } else {
       bool stands = false;
       for (int k = joint.idx_q(); k < joint.idx_q() + joint.nq(); ++k)
         stands |= s_.at[k] <= model_.lowerPositionLimit[k] || s_.at[k] >= model_.upperPositionLimit[k];
-      if (stands) pull = s_.gradient.segment(joint.idx_v(), joint.nv()).norm();
+      if (stands) beyond = s_.gradient.segment(joint.idx_v(), joint.nv()).norm();
     }
-    if (pull > most) {
+    if (beyond > largest) {
       worst = j;
-      most = pull;
+      largest = beyond;
     }
   }
   return worst;

@@ -2,7 +2,7 @@
 //
 // Damped least squares: each step minimises |e - J dq|^2 + lambda |dq|^2 over the dofs that are not held by a
 // limit; e stacks the position errors (m) and, times `length`, the rotation errors (rad). lambda is the
-// squared error itself times a factor that follows how well the reduction of the last step was predicted: it vanishes at a
+// squared error itself times a factor that follows how well the last step's reduction was predicted: it vanishes at a
 // solution (so convergence is fast there) and grows at singularities. Works in the tangent space, with every
 // kind of joint, mimic and floating base.
 // Sources: Wampler 1986 and Nakamura, Hanafusa 1986 (damping); Sugihara, Solvability-unconcerned inverse

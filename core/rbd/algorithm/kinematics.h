@@ -1,4 +1,4 @@
-// Where everything is and how fast it moves.
+// Forward kinematics: poses, velocities and accelerations of joints and frames.
 //
 // q: nq, v and a: nv numbers (model.h); units SI; world frame unless said. Errors: std::invalid_argument
 // naming the function, what was given and what was needed. Source: Featherstone 2008, section 4.1.3 and
@@ -18,11 +18,11 @@ void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, 
 void forwardKinematics(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
                        const ConstVectorRef& a);
 
-// data.oMf from data.oMi. forwardKinematics has done this already; for those who changed oMi themselves.
+// data.oMf from data.oMi. Only needed where a program has changed oMi itself: forwardKinematics fills both.
 void updateFramePlacements(const Model& model, Data& data);
 // One frame only; returns data.oMf[frame].
 const SE3& updateFramePlacement(const Model& model, Data& data, FrameIndex frame);
-// The same as forwardKinematics(model, data, q), for those who know it under this name.
+// Another name of forwardKinematics(model, data, q).
 void framesForwardKinematics(const Model& model, Data& data, const ConstVectorRef& q);
 
 // Velocity of a frame or a joint in the reference asked for. Needs forwardKinematics with v.

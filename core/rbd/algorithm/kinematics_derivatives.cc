@@ -1,5 +1,6 @@
 #include "rbd/algorithm/kinematics_derivatives.h"
 
+#include "rbd/algorithm/argument_checks.h"
 #include "rbd/algorithm/to_user_frames.h"
 #include "rbd/kernel/mimic.h"
 #include "rbd/kernel/motion_rates.h"

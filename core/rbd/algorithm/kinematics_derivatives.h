@@ -1,4 +1,4 @@
-// How velocities and accelerations of joints and frames answer to q, v and a: 6 x nv, angular rows first,
+// Derivatives of velocities and accelerations of joints and frames in q, v and a: 6 x nv, angular rows first,
 // tangent space. They are the derivatives of the very numbers that getVelocity, getAcceleration and their
 // frame versions return in the reference asked for. Source: Carpentier, Mansard 2018; Singh, Russell, Wensing
 // 2022.

@@ -1,5 +1,6 @@
 #include "rbd/algorithm/rnea.h"
 
+#include "rbd/algorithm/argument_checks.h"
 #include "rbd/algorithm/kernels.h"
 #include "rbd/kernel/forward_passes.h"
 #include "rbd/kernel/mimic.h"

@@ -1,6 +1,7 @@
 // From the kernels' frames and types to the user's: joint frames are turned back, Eigen types filled.
 #pragma once
 
+#include "rbd/algorithm/data.h"
 #include "rbd/kernel/forward_passes.h"
 
 namespace rbd::inner {

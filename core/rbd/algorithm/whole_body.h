@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "rbd/algorithm/data.h"
 #include "rbd/algorithm/to_user_frames.h"
 #include "rbd/kernel/mimic.h"
 

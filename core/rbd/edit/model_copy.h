@@ -29,8 +29,8 @@ struct CopyMap {
   std::vector<FrameIndex> frame;  // per frame
 };
 
-// Adds the source behind what the target has. A welded joint becomes a frame of type FIXED_JOINT. `function`
-// is who throws std::invalid_argument when a vector that users write has the wrong size.
+// Adds the source behind what the target has. A welded joint becomes a frame of type FIXED_JOINT. Throws
+// std::invalid_argument in the name of `function` when a vector that users write has the wrong size.
 CopyMap copyModel(const char* function, const Model& source, const CopyPlan& plan, Model& target);
 
 // Adds the source's shapes, moved along.

@@ -13,8 +13,8 @@ namespace rbd {
 // moves, or to the ground. Everything else is kept: name, gravity, terms, the order of joints and frames,
 // frame inertias, limits, rotors, damping and friction of the joints that move.
 //
-// Who follows a locked joint is locked too, at its place. A follower may be locked alone; its leader moves
-// on.
+// A joint that follows a locked one is locked too, where it stands. A follower may be locked alone; its leader
+// still moves.
 //
 // Every quantity equals that of the whole model at q with the locked joints at rest, but what is welded to
 // the ground no longer counts as mass of the robot (total mass, centre of mass, potential energy).

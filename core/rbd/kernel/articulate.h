@@ -8,7 +8,7 @@
 
 namespace rbd::inner {
 
-// `rotor`: inertia of the rotor of each dof. Needs IA[i] = rigid inertias, f[i], column. Fills U, inverseD;
+// `rotor`: inertia of the rotor of each dof. Needs IA[i] = rigid inertias, f[i], S. Fills U, inverseD;
 // IA and f of children are added to their parents. `eachDof(i, k)` is called for each dof k of joint i
 // once U[k] and inverseD[k] are known. Returns the dof whose inertia D is singular, or -1.
 // Singular: not above 1e-14 of the largest D beyond it, which is what rounding leaves of a true zero.

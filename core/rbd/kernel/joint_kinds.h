@@ -1,9 +1,10 @@
 // What a joint kind means inside the kernels: its pose, its motion, its effort. Nowhere else do kernels know
 // kinds.
 //
-// Joints with one axis have been turned so that they move about or along their local z. kTurnZ and kSlideZ
+// Joints with one axis have been turned so that they move about or along their local z. TurnZ and SlideZ
 // are nearly all there are and come first everywhere; the rest say where q puts the body (displacement),
-// which axes it moves along (S) and no more. The world-axes algorithms take dofs one after the other and see
+// which axes it moves along (S) and no more. The switches have no default: a new kind does not compile before it
+// is in all of them. The world-axes algorithms take dofs one after the other and see
 // no kind at all. All motion subspaces here are constant in the body: S_dot qd = v x S qd.
 #pragma once
 
@@ -45,7 +46,7 @@ inline Mat3<Scalar> planeMatrix(Scalar c, Scalar s) {
           Vec3<Scalar>::make(o, o, Scalar(1))};
 }
 
-// Where q puts the body of a joint that neither turns nor slides only, from its place at q = 0.
+// Where q puts the body, from its place at q = 0. For TurnZ and SlideZ the callers have something faster.
 template <class Scalar>
 inline Pose<Scalar> displacement(const PackedJoint& joint, const Scalar* q, const Scratch<Scalar>& s) {
   const Scalar o(0);
@@ -54,51 +55,100 @@ inline Pose<Scalar> displacement(const PackedJoint& joint, const Scalar* q, cons
   X.R = Mat3<Scalar>::identity();
   X.p = Vec3<Scalar>::zero();
   switch (joint.kind) {
-    case kScrewZ:
+    case KernelKind::ScrewZ:
       X.R = planeMatrix(s.cosine[joint.idx_q], s.sine[joint.idx_q]);
       X.p = Vec3<Scalar>::make(o, o, q[0] * Scalar(joint.pitch));
       break;
-    case kBall:
+    case KernelKind::Ball:
       X.R = quaternionMatrix(q);
       break;
-    case kPlanar:
+    case KernelKind::Planar:
       X.R = planeMatrix(q[2], q[3]);
       X.p = Vec3<Scalar>::make(q[0], q[1], o);
       break;
-    case kTranslate:
+    case KernelKind::Translate:
       X.p = Vec3<Scalar>::loadU(q);
       break;
-    default:
+    case KernelKind::Free:
       X.R = quaternionMatrix(q + 3);
       X.p = Vec3<Scalar>::loadU(q);
+      break;
+    case KernelKind::None:
+    case KernelKind::TurnZ:
+    case KernelKind::SlideZ:
+      break;
   }
   return X;
 }
 
-// S rate, in the joint's own axes.
+// S rate, in the joint's own axes. For TurnZ and SlideZ the callers have something faster.
 template <class Scalar>
 inline SpatialMotion<Scalar> subspaceTimes(const PackedJoint& joint, const Scalar* rate) {
   const Scalar o(0);
   const Vec3<Scalar> zero = Vec3<Scalar>::zero();
   switch (joint.kind) {
-    case kScrewZ:
+    case KernelKind::ScrewZ:
       return {Vec3<Scalar>::make(o, o, rate[0]), Vec3<Scalar>::make(o, o, rate[0] * Scalar(joint.pitch))};
-    case kBall:
+    case KernelKind::Ball:
       return {Vec3<Scalar>::loadU(rate), zero};
-    case kPlanar:
+    case KernelKind::Planar:
       return {Vec3<Scalar>::make(o, o, rate[2]), Vec3<Scalar>::make(rate[0], rate[1], o)};
-    case kTranslate:
+    case KernelKind::Translate:
       return {zero, Vec3<Scalar>::loadU(rate)};
-    default:  // kFree: q has the position first, rates the angular part
+    case KernelKind::Free:  // q has the position first, rates the angular part
       return {Vec3<Scalar>::loadU(rate), Vec3<Scalar>::loadU(rate + 3)};
+    case KernelKind::None:
+    case KernelKind::TurnZ:
+    case KernelKind::SlideZ:
+      break;
   }
+  return SpatialMotion<Scalar>::zero();
 }
 
 // The same S, dof by dof, for the kinds whose dofs lie along single axes: 0-2 turn about x y z, 3-5 slide.
-inline const int* dofAxes(int kind) {
-  static constexpr int ball[] = {0, 1, 2}, planar[] = {3, 4, 2}, translate[] = {3, 4, 5},
-                       free[] = {0, 1, 2, 3, 4, 5};
-  return kind == kBall ? ball : kind == kPlanar ? planar : kind == kTranslate ? translate : free;
+inline const int* dofAxes(KernelKind kind) {
+  static constexpr int turn_z[] = {2}, slide_z[] = {5}, ball[] = {0, 1, 2}, planar[] = {3, 4, 2},
+                       translate[] = {3, 4, 5}, free[] = {0, 1, 2, 3, 4, 5};
+  switch (kind) {
+    case KernelKind::TurnZ:
+      return turn_z;
+    case KernelKind::SlideZ:
+      return slide_z;
+    case KernelKind::Ball:
+      return ball;
+    case KernelKind::Planar:
+      return planar;
+    case KernelKind::Translate:
+      return translate;
+    case KernelKind::Free:
+      return free;
+    case KernelKind::None:
+    case KernelKind::ScrewZ:
+      break;  // no dof; both axes at once
+  }
+  __builtin_unreachable();
+}
+
+// The farthest that q moves the body's origin from its place at q = 0, m, while |q[k]| <= largest(k).
+template <class Largest>
+inline double largestDisplacement(const PackedJoint& joint, Largest&& largest) {
+  const int q = joint.idx_q;
+  switch (joint.kind) {
+    case KernelKind::None:
+    case KernelKind::TurnZ:
+    case KernelKind::Ball:
+      return 0;
+    case KernelKind::SlideZ:
+      return largest(q);
+    case KernelKind::ScrewZ:
+      return std::abs(joint.pitch) * largest(q);
+    case KernelKind::Planar:
+      return std::hypot(largest(q), largest(q + 1));
+    case KernelKind::Translate:
+    case KernelKind::Free:
+      return std::hypot(largest(q), largest(q + 1), largest(q + 2));
+  }
+  __builtin_unreachable();
 }
 
 // Pose of joint i in its parent, both ways. Needs sine and cosine.
@@ -106,11 +156,11 @@ template <class Scalar>
 inline void jointPose(const PackedJoint& joint, const Scalar* q, const Scratch<Scalar>& s, Pose<Scalar>& X) {
   const Mat3<Scalar> R_parent = Mat3<Scalar>::load(joint.R_parent);
   X.p = Vec3<Scalar>::load(joint.p_parent);
-  if (joint.kind == kTurnZ) {
+  if (joint.kind == KernelKind::TurnZ) {
     const Scalar sn = s.sine[joint.idx_q], cs = s.cosine[joint.idx_q];
     X.R = {R_parent.c0 * cs + R_parent.c1 * sn, R_parent.c1 * cs - R_parent.c0 * sn, R_parent.c2};
     X.Rt = X.R.transposed();
-  } else if (joint.kind == kSlideZ) {
+  } else if (joint.kind == KernelKind::SlideZ) {
     X.R = R_parent;
     X.Rt = Mat3<Scalar>::load(joint.R_parent_T);
     X.p = X.p + R_parent.c2 * q[joint.idx_q];
@@ -127,8 +177,8 @@ template <class Scalar>
 inline SpatialMotion<Scalar> plusS(const PackedJoint& joint, const SpatialMotion<Scalar>& m,
                                    const Scalar* rate) {
   const Scalar o(0);
-  if (joint.kind == kTurnZ) return {m.w + Vec3<Scalar>::make(o, o, rate[0]), m.v};
-  if (joint.kind == kSlideZ) return {m.w, m.v + Vec3<Scalar>::make(o, o, rate[0])};
+  if (joint.kind == KernelKind::TurnZ) return {m.w + Vec3<Scalar>::make(o, o, rate[0]), m.v};
+  if (joint.kind == KernelKind::SlideZ) return {m.w, m.v + Vec3<Scalar>::make(o, o, rate[0])};
   return m + subspaceTimes(joint, rate);
 }
 
@@ -136,19 +186,19 @@ inline SpatialMotion<Scalar> plusS(const PackedJoint& joint, const SpatialMotion
 template <class Scalar>
 inline SpatialMotion<Scalar> crossS(const PackedJoint& joint, const SpatialMotion<Scalar>& v,
                                     const Scalar* rate) {
-  if (joint.kind == kTurnZ) return {crossZ(v.w, rate[0]), crossZ(v.v, rate[0])};
-  if (joint.kind == kSlideZ) return {Vec3<Scalar>::zero(), crossZ(v.w, rate[0])};
+  if (joint.kind == KernelKind::TurnZ) return {crossZ(v.w, rate[0]), crossZ(v.v, rate[0])};
+  if (joint.kind == KernelKind::SlideZ) return {Vec3<Scalar>::zero(), crossZ(v.w, rate[0])};
   return cross(v, subspaceTimes(joint, rate));
 }
 
 // S' f, in the joint's own axes.
 template <class Scalar>
 inline void transposeS(const PackedJoint& joint, const SpatialForce<Scalar>& f, Scalar* tau) {
-  if (joint.kind == kTurnZ) {
+  if (joint.kind == KernelKind::TurnZ) {
     tau[0] = f.n[2];
-  } else if (joint.kind == kSlideZ) {
+  } else if (joint.kind == KernelKind::SlideZ) {
     tau[0] = f.f[2];
-  } else if (joint.kind == kScrewZ) {
+  } else if (joint.kind == KernelKind::ScrewZ) {
     tau[0] = f.n[2] + f.f[2] * Scalar(joint.pitch);
   } else {
     const int* axis = dofAxes(joint.kind);
@@ -162,10 +212,10 @@ inline void worldPose(const PackedJoint& joint, int i, const Scalar* q, Scratch<
   const Mat3<Scalar>& up = s.R[joint.parent];
   const Mat3<Scalar> T = timesMatrix(up, joint.R_parent);
   s.p[i] = s.p[joint.parent] + times(up, joint.p_parent);
-  if (joint.kind == kTurnZ) {
+  if (joint.kind == KernelKind::TurnZ) {
     const Scalar sn = s.sine[joint.idx_q], cs = s.cosine[joint.idx_q];
     s.R[i] = {T.c0 * cs + T.c1 * sn, T.c1 * cs - T.c0 * sn, T.c2};
-  } else if (joint.kind == kSlideZ) {
+  } else if (joint.kind == KernelKind::SlideZ) {
     s.R[i] = T;
     s.p[i] = s.p[i] + T.c2 * q[joint.idx_q];
   } else {
@@ -182,11 +232,11 @@ inline void worldSubspace(const PackedJoint& joint, int i, Scratch<Scalar>& s) {
   const Mat3<Scalar>& R = s.R[i];
   const Vec3<Scalar>& p = s.p[i];
   const Vec3<Scalar> zero = Vec3<Scalar>::zero();
-  if (joint.kind == kTurnZ) {
+  if (joint.kind == KernelKind::TurnZ) {
     S[0] = {R.c2, cross(p, R.c2)};
-  } else if (joint.kind == kSlideZ) {
+  } else if (joint.kind == KernelKind::SlideZ) {
     S[0] = {zero, R.c2};
-  } else if (joint.kind == kScrewZ) {
+  } else if (joint.kind == KernelKind::ScrewZ) {
     S[0] = {R.c2, cross(p, R.c2) + R.c2 * Scalar(joint.pitch)};
   } else {
     const Vec3<Scalar> axes[] = {R.c0, R.c1, R.c2};

@@ -1,12 +1,13 @@
 // Velocities, accelerations and the rates of columns, in world axes: what all derivatives begin with.
 //
-// Turning dof k moves everything behind it. With S its column, v and a of its body, and w, c (velocity and
-// acceleration) of the body BEFORE its joint:
+// Turning dof k moves everything behind it. With S its column of the motion subspace, v and a of its body, and
+// w and c the velocity and acceleration of the body BEFORE its joint:
 //   Sd    = v x S               how the column itself changes
 //   Psid  = w x S               a velocity behind the joint changes by S x v_j + Psid,
 //   Psidd = c x S + w x Psid    an acceleration by S x a_j + Psid x v_j + Psidd
-// The first terms are the body being carried along; in efforts they cancel. The names are those of the source, with d for a dot: Singh, Russell, Wensing,
-// Efficient analytical derivatives of rigid-body dynamics using spatial vector algebra, 2022.
+// The first terms are the body being carried along; in efforts they cancel. The names are those of the source,
+// with d for a dot: Singh, Russell, Wensing, Efficient analytical derivatives of rigid-body dynamics using
+// spatial vector algebra, 2022.
 #pragma once
 
 #include "rbd/kernel/forward_passes.h"

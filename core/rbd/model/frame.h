@@ -22,9 +22,9 @@ enum FrameType {
 const char* frameTypeName(FrameType type);
 
 // In which axes and about which point a spatial vector is written.
-//   WORLD                axes of the world, about the world's origin (linear velocity: of the body point
-//   there) LOCAL                axes of the frame, about its origin LOCAL_WORLD_ALIGNED  axes of the world,
-//   about the frame's origin: the velocity a bystander sees
+//   WORLD                axes of the world, about the world's origin (linear velocity: of the body point there)
+//   LOCAL                axes of the frame, about its origin
+//   LOCAL_WORLD_ALIGNED  axes of the world, about the frame's origin: the velocity a bystander sees
 enum ReferenceFrame { WORLD = 0, LOCAL = 1, LOCAL_WORLD_ALIGNED = 2 };
 
 struct Frame {

@@ -1,5 +1,5 @@
-// The efforts that damping and dry friction take from a joint, and the speed below which dry friction is smoothed.
-// The algorithms count them as Model::terms says; these functions are for programs that need the numbers themselves.
+// Damping and dry friction of a joint: efforts, slopes, and the speed below which dry friction is smoothed. The
+// algorithms count them as Model::terms says; these functions are for programs that need the numbers themselves.
 #pragma once
 
 #include <cmath>

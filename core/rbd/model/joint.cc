@@ -6,46 +6,8 @@
 namespace rbd {
 namespace {
 
-struct KindRow {
-  const char* letter;  // "RZ" for the z axis ..
-  const char* name;    // .. and this for any other axis, or for kinds without an axis
-  int nq, nv;
-  Manifold manifold;
-};
-
-// Indexed by JointKind.
-constexpr KindRow kKinds[] = {
-    {nullptr, "FIXED", 0, 0, Manifold::Angles},
-    {"R", "RevoluteUnaligned", 1, 1, Manifold::Angles},
-    {"C", "ContinuousUnaligned", 1, 1, Manifold::Angles},
-    {"P", "PrismaticUnaligned", 1, 1, Manifold::Lengths},
-    {"H", "HelicalUnaligned", 1, 1, Manifold::Angles},
-    {nullptr, "Universal", 2, 2, Manifold::Angles},
-    {nullptr, "Spherical", 4, 3, Manifold::Rotation},
-    {nullptr, "Planar", 4, 3, Manifold::PlanarPose},
-    {nullptr, "Translation", 3, 3, Manifold::Lengths},
-    {nullptr, "FreeFlyer", 7, 6, Manifold::Pose},
-};
-
-// How many of the last numbers of a configuration have length 1.
-int unitSize(Manifold manifold) {
-  switch (manifold) {
-    case Manifold::Angles:
-    case Manifold::Lengths:
-      return 0;
-    case Manifold::Rotation:
-    case Manifold::Pose:
-      return 4;
-    case Manifold::PlanarPose:
-      return 2;
-  }
-  __builtin_unreachable();
-}
-
-const KindRow& row(JointKind kind) { return kKinds[static_cast<int>(kind)]; }
-
 [[noreturn]] void fail(JointKind kind, const std::string& text) {
-  throw std::invalid_argument(std::string(row(kind).name) + ": " + text);
+  throw std::invalid_argument(std::string(traits(kind).name) + ": " + text);
 }
 
 std::string text(const Eigen::Vector3d& x) {
@@ -77,24 +39,18 @@ JointModel::JointModel(JointKind kind, const Eigen::Vector3d& axis, const Eigen:
 }
 
 std::string JointModel::shortname() const {
-  if (row(kind_).letter) {
+  if (traits(kind_).letter) {
     for (int k = 0; k < 3; ++k) {
-      if (axis_ == Eigen::Vector3d::Unit(k)) return std::string(row(kind_).letter) + "XYZ"[k];
+      if (axis_ == Eigen::Vector3d::Unit(k)) return std::string(traits(kind_).letter) + "XYZ"[k];
     }
   }
-  return row(kind_).name;
+  return traits(kind_).name;
 }
-
-bool isVectorSpace(Manifold manifold) { return unitSize(manifold) == 0; }
 
 UnitPart JointModel::unit_part() const {
   const int size = unitSize(manifold());
   if (size == 0) return {};
   return {idx_q_ + kind_nq() - size, size, size == 4 ? "quaternion (x, y, z, w)" : "direction (cos, sin)"};
 }
-
-Manifold JointModel::manifold() const { return row(kind_).manifold; }
-int JointModel::kind_nq() const { return row(kind_).nq; }
-int JointModel::kind_nv() const { return row(kind_).nv; }
 
 }  // namespace rbd

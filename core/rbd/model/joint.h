@@ -1,9 +1,10 @@
 // Joints as a user names them: kind, axis, how many numbers they take. Plain values.
 //
-// A kind is a row of the table in joint.cc (name, nq, nv, manifold, kernel); what a kernel does with it is in
-// kernel/joint_kinds.h, how configurations of a manifold are added and compared in
-// kernel/manifold.h. A new kind is a row there, and code only if kernel or manifold are new.
+// What a kind is stands in traits() below; what a kernel does with it in kernel/joint_kinds.h, how configurations of
+// a manifold are added and compared in kernel/manifold.h. No other place distinguishes kinds, and no switch over them
+// has a default: the compiler names what a new kind has left out.
 //
+// clang-format off
 //   kind                    shortname                      q                              v
 //   universe (joint 0)      FIXED                          -                              -
 //   revolute                RX RY RZ RevoluteUnaligned     angle                          rate
@@ -11,11 +12,11 @@
 //   prismatic               PX PY PZ PrismaticUnaligned    position                       rate
 //   helical                 HX HY HZ HelicalUnaligned      angle (slides by pitch*angle)  rate
 //   universal               Universal                      two angles                     two rates
-//   spherical               Spherical                      quaternion xyzw                angular, body axes
+//   spherical               Spherical                      quaternion xyzw                angular velocity, body axes
 //   planar                  Planar                         x y cos sin                    vx vy wz, body axes
 //   translation             Translation                    x y z                          rates
-//   free-flyer              FreeFlyer                      x y z, quaternion xyzw         body twist, angular
-//   first
+//   free-flyer              FreeFlyer                      x y z, quaternion xyzw         body twist, angular first
+// clang-format on
 //
 // A one-dof joint may follow another (Model::setMimic): then it has nq = nv = 0 and idx_q, idx_v are those of
 // the joint it follows.
@@ -52,8 +53,62 @@ enum class Manifold {
   Pose         // position, unit quaternion
 };
 
+// How a joint moves in the kernels, where its axis is z (packed_joint.h).
+enum class KernelKind { None, TurnZ, SlideZ, ScrewZ, Ball, Planar, Translate, Free };
+
+// What a kind of joint is.
+struct JointTraits {
+  const char* letter;  // "RZ" for the z axis ..
+  const char* name;    // .. and this for any other axis, or for kinds without an axis
+  int nq, nv;
+  Manifold manifold;
+  KernelKind kernel;
+  int kernel_joints;  // how many joints of that kind it is in the kernels' tree, one behind the other
+};
+
+constexpr JointTraits traits(JointKind kind) {
+  switch (kind) {
+    case JointKind::Fixed:
+      return {nullptr, "FIXED", 0, 0, Manifold::Angles, KernelKind::None, 1};
+    case JointKind::Revolute:
+      return {"R", "RevoluteUnaligned", 1, 1, Manifold::Angles, KernelKind::TurnZ, 1};
+    case JointKind::Continuous:
+      return {"C", "ContinuousUnaligned", 1, 1, Manifold::Angles, KernelKind::TurnZ, 1};
+    case JointKind::Prismatic:
+      return {"P", "PrismaticUnaligned", 1, 1, Manifold::Lengths, KernelKind::SlideZ, 1};
+    case JointKind::Helical:
+      return {"H", "HelicalUnaligned", 1, 1, Manifold::Angles, KernelKind::ScrewZ, 1};
+    case JointKind::Universal:
+      return {nullptr, "Universal", 2, 2, Manifold::Angles, KernelKind::TurnZ, 2};
+    case JointKind::Spherical:
+      return {nullptr, "Spherical", 4, 3, Manifold::Rotation, KernelKind::Ball, 1};
+    case JointKind::Planar:
+      return {nullptr, "Planar", 4, 3, Manifold::PlanarPose, KernelKind::Planar, 1};
+    case JointKind::Translation:
+      return {nullptr, "Translation", 3, 3, Manifold::Lengths, KernelKind::Translate, 1};
+    case JointKind::FreeFlyer:
+      return {nullptr, "FreeFlyer", 7, 6, Manifold::Pose, KernelKind::Free, 1};
+  }
+  __builtin_unreachable();
+}
+
+// How many of the last numbers of a configuration have length 1 together: a quaternion, or cosine and sine.
+constexpr int unitSize(Manifold manifold) {
+  switch (manifold) {
+    case Manifold::Angles:
+    case Manifold::Lengths:
+      return 0;
+    case Manifold::PlanarPose:
+      return 2;
+    case Manifold::Rotation:
+    case Manifold::Pose:
+      return 4;
+  }
+  __builtin_unreachable();
+}
+
 // Whether configurations add like the numbers they are made of: nq = nv, q + v.
-bool isVectorSpace(Manifold manifold);
+constexpr bool isVectorSpace(Manifold manifold) { return unitSize(manifold) == 0; }
 
 // The part of a joint's numbers in q that has length 1.
 struct UnitPart {
@@ -67,7 +122,7 @@ class JointModel {
   JointModel() = default;
 
   JointKind kind() const { return kind_; }
-  Manifold manifold() const;
+  Manifold manifold() const { return traits(kind_).manifold; }
   UnitPart unit_part() const;
   // Unit axis in the joint's frame; zero where a kind has none. Planar: the normal. Universal: the first
   // axis, fixed in the parent; axis2() is fixed in the child.
@@ -78,8 +133,8 @@ class JointModel {
   int nq() const { return mimics_ ? 0 : kind_nq(); }
   int nv() const { return mimics_ ? 0 : kind_nv(); }
   // Numbers of the kind, whether it follows another joint or not.
-  int kind_nq() const;
-  int kind_nv() const;
+  int kind_nq() const { return traits(kind_).nq; }
+  int kind_nv() const { return traits(kind_).nv; }
   // Where this joint's numbers start in q and in v; set by Model, -1 before.
   int idx_q() const { return idx_q_; }
   int idx_v() const { return idx_v_; }

@@ -18,32 +18,8 @@ void storeVector(double* out, const Eigen::Vector3d& v) {
 
 // The moving body's kernel frame in the user's frame of the joint.
 Eigen::Matrix3d userFromKernel(const JointModel& joint) {
-  const Eigen::Vector3d& axis = joint.kind() == JointKind::Universal ? joint.axis2() : joint.axis();
+  const Eigen::Vector3d& axis = joint.axis2().isZero() ? joint.axis() : joint.axis2();
   return axis.isZero() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : rotationWithZ(axis);
-}
-
-KernelKind kernelKind(JointKind kind) {
-  switch (kind) {
-    case JointKind::Fixed:
-      return kNone;
-    case JointKind::Revolute:
-    case JointKind::Continuous:
-    case JointKind::Universal:  // each of its two
-      return kTurnZ;
-    case JointKind::Prismatic:
-      return kSlideZ;
-    case JointKind::Helical:
-      return kScrewZ;
-    case JointKind::Spherical:
-      return kBall;
-    case JointKind::Planar:
-      return kPlanar;
-    case JointKind::Translation:
-      return kTranslate;
-    case JointKind::FreeFlyer:
-      return kFree;
-  }
-  return kNone;
 }
 
 // Of a joint that stands at `placement` between the user's frames; R_before and R_user are the kernel frames of
@@ -72,11 +48,11 @@ void storeBody(PackedJoint& p, const Inertia& body, const Eigen::Matrix3d& R_use
 }  // namespace
 
 void Model::grow(const JointModel& joint, JointIndex parent) {
-  const int count = joint.kind() == JointKind::Universal ? 2 : 1;
+  const int count = traits(joint.kind()).kernel_joints;
   for (int k = 0; k < count; ++k) {
     PackedJoint p{};
     p.parent = k == 0 ? tree_.bodyOf[parent] : tree_.size() - 1;
-    p.kind = kernelKind(joint.kind());
+    p.kind = traits(joint.kind()).kernel;
     p.pitch = joint.pitch();
     p.idx_q = tree_.nq;
     p.idx_v = tree_.nv;
@@ -92,7 +68,7 @@ void Model::pack(JointIndex i) {
   const JointModel& joint = joints[i];
   const Eigen::Matrix3d R_user = userFromKernel(joint);
   PackedJoint& body = tree_.joints[static_cast<std::size_t>(tree_.bodyOf[i])];
-  if (joint.kind() == JointKind::Universal) {
+  if (traits(joint.kind()).kernel_joints == 2) {
     PackedJoint& first = *(&body - 1);
     const Eigen::Matrix3d between = rotationWithZ(joint.axis());
     placeKernelFrame(first, userFromKernel(joints[parents[i]]), jointPlacements[i], between);
@@ -152,7 +128,7 @@ void Model::mapJoint(JointIndex j) {
   map.q_offset.resize(tree_.nq);
   map.v_source.resize(tree_.nv);
   map.v_ratio.resize(tree_.nv);
-  const int first = tree_.bodyOf[j] - (joints[j].kind() == JointKind::Universal ? 1 : 0);
+  const int first = tree_.bodyOf[j] - traits(joints[j].kind()).kernel_joints + 1;
   const int at_q = tree_.joints[first].idx_q, at_v = tree_.joints[first].idx_v;
   for (int k = 0; k < joints[j].kind_nq(); ++k) {
     map.q_source[at_q + k] = joints[j].idx_q() + k;

@@ -67,7 +67,7 @@ class Model {
 
   Motion gravity;  // acceleration of free fall in the world; only its linear part is used
 
-  Eigen::VectorXd lowerPositionLimit, upperPositionLimit;  // nq; -inf, +inf where nobody said
+  Eigen::VectorXd lowerPositionLimit, upperPositionLimit;  // nq; -inf, +inf where no limit is given
   Eigen::VectorXd lowerVelocityLimit, upperVelocityLimit;  // nv; the same
   Eigen::VectorXd lowerEffortLimit, upperEffortLimit;      // nv; the same
   Eigen::VectorXd armature;                                // kg m^2 or kg: inertia seen at the joint
@@ -119,7 +119,7 @@ class Model {
   // Scratch for one thread; needs rbd/algorithm/data.h.
   Data createData() const;
 
-  // For the kernels.
+  // What the kernels read.
   const KernelTree& tree() const { return tree_; }
   // A hash of the joints' kinds, parents and leaders: models that agree in it can share a Data.
   std::uint64_t topology() const { return topology_; }

@@ -29,15 +29,11 @@ struct alignas(64) PackedJoint {
   double com[4];                 // centre of mass from the joint's origin, kernel axes (m)
   double moment[4];              // mass * com (kg m)
   double mass;
-  double pitch;  // kScrewZ: m/rad
+  double pitch;  // ScrewZ: m/rad
   int parent;    // in KernelTree::joints
-  int kind;      // KernelKind
+  KernelKind kind;
   int idx_q, idx_v, nv;
 };
-
-// How a joint moves once it is turned; see kernel/joint_kinds.h. In all of them the motion subspace is
-// constant in the moving body.
-enum KernelKind { kNone, kTurnZ, kSlideZ, kScrewZ, kBall, kPlanar, kTranslate, kFree };
 
 // From the user's q and v to the tree's:  q_tree[k] = ratio[k] q[source[k]] + offset[k], and v alike without
 // offset.

@@ -1,4 +1,4 @@
-// Robots that nobody would build: trees of any shape with every kind of joint, for tests and benches.
+// Random robots for tests and benches: trees of any shape with every kind of joint.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What the functions of the core take for vectors and matrices: any Eigen object with that memory layout, uncopied.
+// Argument types of the core for vectors and matrices: any Eigen object of that memory layout, without a copy.
 #pragma once
 
 #include <Eigen/Core>
