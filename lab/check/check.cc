@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/util/number.h"
 #include "lab/evaluation/evaluate.h"
 #include "lab/experiment/joints.h"
 #include "procs/controller/controller.h"
@@ -154,14 +155,14 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   for (int i = 0; i < model.nv; ++i)
     if (plan.v_peak[i] > model.upperVelocityLimit[i] * (1 + 1e-9))
       warnings.push_back(warn(e, "planner.kind",
-                              "joint '" + joint_at(model, i) + "' shall move at " +
-                                  planner::rounded(plan.v_peak[i]) + ", its limit is " +
-                                  number(model.upperVelocityLimit[i]) + "; " + plan.kind->cure));
+                              "joint '" + joint_at(model, i) + "' shall move at " + rounded(plan.v_peak[i]) +
+                                  ", its limit is " + number(model.upperVelocityLimit[i]) + "; " +
+                                  plan.kind->cure));
   if (const double end = static_cast<double>(e.last_step()) * e.simulator.dt;
       plan.own_time && plan.duration > end)
-    warnings.push_back(warn(e, "simulator.duration",
-                            "the motion takes " + planner::rounded(plan.duration) +
-                                " s, and the run ends at " + number(end) + " s"));
+    warnings.push_back(
+        warn(e, "simulator.duration",
+             "the motion takes " + rounded(plan.duration) + " s, and the run ends at " + number(end) + " s"));
   const auto judge = [&](const Worst& worst, const std::string& key, const std::string& what,
                          const std::string& cure) {
     if (worst.ratio > 0.5)

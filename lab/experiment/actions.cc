@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/util/number.h"
 #include "lab/experiment/cartesian.h"
 #include "lab/experiment/joints.h"
 #include "lab/experiment/live_gains.h"

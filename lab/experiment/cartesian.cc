@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/util/number.h"
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/joints.h"
 

@@ -1,9 +1,9 @@
 #include "lab/experiment/experiment.h"
 
+#include <rbd/model/near_names.h>
+
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <numeric>
 
 namespace lab {
 
@@ -30,38 +30,17 @@ void fail(const Experiment& experiment, const std::string& key, const std::strin
                         message);
 }
 
-std::string number(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
-
-namespace {
-
-size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (size_t i = 0; i < a.size(); ++i) {
-    size_t diagonal = row[0]++;
-    for (size_t j = 0; j < b.size(); ++j) {
-      const size_t substitute = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substitute});
-    }
-  }
-  return row.back();
-}
-
-}  // namespace
-
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
   const auto leaf = [](const std::string& path) { return path.substr(path.rfind('.') + 1); };
   std::string best;
-  size_t best_distance = std::max<size_t>(2, leaf(word).size() / 3) + 1;
+  int best_distance = std::max(2, static_cast<int>(leaf(word).size() / 3)) + 1;
   for (const std::string& candidate : candidates) {
     // the same last word in another section is nearly as near as a slip of the pen
-    const size_t distance =
-        std::min(edit_distance(word, candidate), edit_distance(leaf(word), leaf(candidate)) + 1);
-    if (distance < best_distance) best = candidate, best_distance = distance;
+    const int distance =
+        std::min(rbd::editDistance(word, candidate), rbd::editDistance(leaf(word), leaf(candidate)) + 1);
+    if (distance >= best_distance) continue;
+    best = candidate;
+    best_distance = distance;
   }
   return best.empty() ? "" : "; did you mean '" + best + "'?";
 }

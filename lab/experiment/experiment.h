@@ -193,9 +193,6 @@ struct Experiment {
 /// Throws ExperimentError "WHERE: key: message".
 [[noreturn]] void fail(const Experiment&, const std::string& key, const std::string& message);
 
-/// A number as people write it: the fewest digits that give the same double back.
-std::string number(double value);
-
 /// "; did you mean 'x'?" for the candidate nearest to `word`, or "" if none is near.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
 

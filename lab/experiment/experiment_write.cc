@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <set>
 
+#include "core/util/number.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/experiment/keys.h"
 
@@ -39,12 +40,7 @@ class Writer {
   }
 
  private:
-  std::string text(double value) const {
-    if (!exact_) return number(value);
-    char digits[40];
-    snprintf(digits, sizeof digits, "%.17g", value);
-    return digits;
-  }
+  std::string text(double value) const { return exact_ ? rounded(value, 17) : number(value); }
   std::string text(int64_t value) const { return std::to_string(value); }
   std::string text(bool value) const { return value ? "true" : "false"; }
 

@@ -11,6 +11,7 @@
 #include <set>
 #include <sstream>
 
+#include "core/util/number.h"
 #include "lab/experiment/keys.h"
 #include "lab/experiment/yaml_values.h"
 

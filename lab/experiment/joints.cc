@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/util/number.h"
+
 namespace lab {
 namespace {
 

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/util/number.h"
 #include "lab/experiment/hash.h"
 #include "lab/experiment/joints.h"
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/util/number.h"
 #include "lab/experiment/keys.h"
 
 /// One value of an experiment's text, by the type of the member that takes it: read(node, key, member) throws Fault for

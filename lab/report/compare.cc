@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/util/number.h"
 #include "lab/evaluation/tracking.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/report/html.h"
@@ -117,11 +118,7 @@ std::string columns(const std::vector<std::vector<std::string>>& rows) {
   return out;
 }
 
-std::string plain(double value) {
-  char text[32];
-  snprintf(text, sizeof text, "%.4g", value);
-  return std::isfinite(value) ? text : "-";
-}
+std::string plain(double value) { return std::isfinite(value) ? rounded(value) : "-"; }
 
 /// Three digits; no powers of ten.
 std::string count(double times) {

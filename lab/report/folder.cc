@@ -10,6 +10,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "core/util/number.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "wire/log/log_reader.h"
 #include "wire/protocol/loop_bins.h"

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/util/number.h"
 #include "lab/report/html.h"
 
 namespace lab::report {
@@ -31,17 +32,14 @@ constexpr std::array<InkRow, kInks> kInkTable{{{"#0072B2", "rgb(  0, 114, 178)",
                                                {"#7F7F7F", "rgb(127, 127, 127)", "grey"}}};
 constexpr const char *kFrame = "#9AA0A6", *kGrid = "#E3E5E8", *kText = "#5F6368", *kBand = "#DDEEDD";
 
-std::string number(double value) {
-  char text[32];
-  snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string coordinate(double value) { return rounded(value, 9); }
 
 std::string data(const Curve& curve, size_t index) {
   std::string out = "$d" + std::to_string(index) + " << EOD\n";
   const bool bins = curve.x.size() > curve.y.size();  // bars end where the next begins
   for (size_t i = 0; i < curve.y.size(); ++i)
-    out += number(curve.x[i]) + " " + number(curve.y[i]) + (bins ? " " + number(curve.x[i + 1]) : "") + "\n";
+    out += coordinate(curve.x[i]) + " " + coordinate(curve.y[i]) +
+           (bins ? " " + coordinate(curve.x[i + 1]) : "") + "\n";
   return out + "EOD\n";
 }
 
@@ -94,13 +92,13 @@ std::string one(const Chart& chart) {
   } else if (!chart.equal) {
     s += "set grid noxtics\n";
   }
-  s += "set xrange [" + number(x.first) + ":" + number(x.second) + "]\nset yrange [" + number(y.first) + ":" +
-       number(y.second) + "]\n";
+  s += "set xrange [" + coordinate(x.first) + ":" + coordinate(x.second) + "]\nset yrange [" +
+       coordinate(y.first) + ":" + coordinate(y.second) + "]\n";
   int object = 1;
   for (const auto& [low, high] : chart.bands) {
     if (low > y.second || high < y.first) continue;
     s += "set object " + std::to_string(object++) + " rectangle from graph 0,first " +
-         number(std::max(low, y.first)) + " to graph 1,first " + number(std::min(high, y.second)) +
+         coordinate(std::max(low, y.first)) + " to graph 1,first " + coordinate(std::min(high, y.second)) +
          " behind fillcolor rgb '" + kBand + "' fillstyle solid 1 noborder\n";
   }
   for (size_t i = 0; i < chart.curves.size(); ++i) s += data(chart.curves[i], i);
@@ -108,15 +106,15 @@ std::string one(const Chart& chart) {
   const auto add = [&](const std::string& text) { plots += (plots.empty() ? "plot " : ", \\\n  ") + text; };
   for (double level : chart.levels)
     if (level >= y.first && level <= y.second)
-      add(number(level) + " with lines lw 1 dt 2 lc rgb '" + kFrame + "'");
+      add(coordinate(level) + " with lines lw 1 dt 2 lc rgb '" + kFrame + "'");
   for (size_t i = 0; i < chart.curves.size(); ++i) {
     const Curve& curve = chart.curves[i];
     const std::string ink = kInkTable[static_cast<size_t>(curve.ink)].hex;
     if (chart.bars && i == 0)
       add("$d0 using 1:2:1:3:(0):2 with boxxyerrorbars lc rgb '" + ink + "'");
     else
-      add("$d" + std::to_string(i) + " with lines lw " + number(curve.width) + (curve.dashed ? " dt 2" : "") +
-          " lc rgb '" + ink + "'");
+      add("$d" + std::to_string(i) + " with lines lw " + coordinate(curve.width) +
+          (curve.dashed ? " dt 2" : "") + " lc rgb '" + ink + "'");
   }
   if (plots.empty()) plots = "plot 1/0";
   return s + plots + "\n";

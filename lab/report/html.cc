@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "core/util/number.h"
 #include "lab/report/style.h"
 
 namespace lab::report {
@@ -46,9 +47,7 @@ std::string base64(std::string_view bytes) {
 
 std::string figure(double value, int digits) {
   if (!std::isfinite(value)) return "–";
-  char text[32];
-  snprintf(text, sizeof text, "%.*g", digits, value == 0 ? 0.0 : value);  // no -0
-  std::string out = text;
+  std::string out = rounded(value == 0 ? 0.0 : value, digits);  // no -0
   if (out[0] == '-') out.replace(0, 1, "−");
   return out;
 }

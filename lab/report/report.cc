@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "core/util/number.h"
 #include "lab/report/figures.h"
 #include "lab/report/html.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/util/number.h"
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/hash.h"
 

@@ -12,18 +12,13 @@
 
 #include "core/util/atomic_file.h"
 #include "core/util/interrupt.h"
+#include "core/util/shell_quote.h"
 #include "lab/sweep/engine.h"
 
 namespace lab::sweep {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string quoted(const std::string& word) {
-  std::string out = "'";
-  for (char c : word) out += c == '\'' ? "'\\''" : std::string(1, c);
-  return out + "'";
-}
 
 struct Said {
   int code = 0;
@@ -59,14 +54,15 @@ void run_on_slurm(const SlurmJob& job, Results& results, int64_t total, int64_t 
   const std::string folder = fs::absolute(job.dir) / "slurm", script = folder + "/sweep.sh";
   fs::create_directories(folder);
   write_atomically(
-      script, fmt::format("#!/bin/bash\n"
-                          "# {} runs in {} tasks; a task runs what is still missing of its part\n"
-                          "exec {} sweep {} -o {} --part \"$SLURM_ARRAY_TASK_ID/{}\"\n",
-                          missing, job.tasks, quoted(fs::read_symlink("/proc/self/exe")),
-                          quoted(fs::absolute(job.sweep_file)), quoted(fs::absolute(job.dir)), job.tasks));
-  const Said said = shell(
-      fmt::format("sbatch --parsable --job-name={} --array=0-{} --ntasks=1 --cpus-per-task=1 --output={} {}",
-                  quoted(job.name), job.tasks - 1, quoted(folder + "/%a.out"), quoted(script)));
+      script,
+      fmt::format("#!/bin/bash\n"
+                  "# {} runs in {} tasks; a task runs what is still missing of its part\n"
+                  "exec {} sweep {} -o {} --part \"$SLURM_ARRAY_TASK_ID/{}\"\n",
+                  missing, job.tasks, shell_quote(fs::read_symlink("/proc/self/exe")),
+                  shell_quote(fs::absolute(job.sweep_file)), shell_quote(fs::absolute(job.dir)), job.tasks));
+  const Said said = shell(fmt::format(
+      "sbatch --parsable --job-name={} --array=0-{} --ntasks=1 --cpus-per-task=1 --output={} {}",
+      shell_quote(job.name), job.tasks - 1, shell_quote(folder + "/%a.out"), shell_quote(script)));
   const std::string id = said.text.substr(0, said.text.find(';'));
   if (said.code != 0 || id.find_first_not_of("0123456789") != std::string::npos || id.empty())
     throw std::runtime_error("sbatch failed: " + (said.text.empty() ? "no answer" : said.text));

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/util/number.h"
 #include "lab/report/html.h"
 
 namespace lab::sweep::svg {
@@ -46,7 +47,7 @@ std::vector<double> Scale::ticks() const {
   return ticks;
 }
 
-std::string label(double value) { return fmt::format("{:.4g}", value); }
+std::string label(double value) { return rounded(value); }
 
 std::string label(const std::string& value) {
   double x = 0;

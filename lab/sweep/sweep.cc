@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 
+#include "core/util/number.h"
 #include "lab/evaluation/evaluate.h"
 
 namespace lab::sweep {

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/util/number.h"
+
 namespace lab::sweep {
 namespace {
 

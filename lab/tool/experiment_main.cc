@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/util/atomic_file.h"
+#include "core/util/number.h"
 #include "lab/check/check.h"
 #include "lab/evaluation/evaluate.h"
 #include "lab/evaluation/read_run.h"
@@ -84,12 +85,7 @@ int list_processes(const Options& options) {
 }
 
 void print_metrics(const json& all) {
-  const auto cell = [](const json& value) {
-    char text[32];
-    if (!value.is_number()) return std::string("-");
-    snprintf(text, sizeof text, "%.4g", value.get<double>());
-    return std::string(text);
-  };
+  const auto cell = [](const json& value) { return value.is_number() ? rounded(value.get<double>()) : "-"; };
   size_t width = 6;
   for (const json& joint : all["joints"]) width = std::max(width, joint["name"].get<std::string>().size());
   const char* columns[] = {"max_error",   "mean_error",    "rms_error",

@@ -1,17 +1,10 @@
 #include "lab/tool/procfile.h"
 
+#include "core/util/number.h"
+#include "core/util/shell_quote.h"
+
 namespace lab {
 namespace {
-
-std::string quoted(const std::string& word) {
-  if (!word.empty() &&
-      word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./,:=@+") ==
-          std::string::npos)
-    return word;
-  std::string out = "'";
-  for (char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
 
 std::string replaced(std::string text, const std::string& what, const std::string& with) {
   for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
@@ -22,7 +15,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }  // namespace
 
 std::string procfile(const Experiment& e, const std::string& run_dir, const std::string& restart) {
-  const std::string dir = quoted(run_dir);
+  const std::string dir = shell_quote(run_dir);
   std::string out;
   std::map<std::string, std::string> own = e.processes;
   const auto add = [&](const std::string& name, const std::string& usual, bool required) {
@@ -36,8 +29,8 @@ std::string procfile(const Experiment& e, const std::string& run_dir, const std:
     out += "#lab: " + name + " required=" + (required ? "yes" : "no") +
            " restart=" + (name == "simulator" ? "never" : restart) + "\n" + name + ": " + command + "\n";
   };
-  add("simulator", "lab-simulator --experiment " + quoted(run_dir + "/experiment.yaml") + " --run-dir " + dir,
-      true);
+  add("simulator",
+      "lab-simulator --experiment " + shell_quote(run_dir + "/experiment.yaml") + " --run-dir " + dir, true);
   add("planner", "lab-planner --run-dir " + dir, true);
   add("controller", "lab-controller --run-dir " + dir, true);
   add("logger", "lab-logger --run-dir " + dir, true);

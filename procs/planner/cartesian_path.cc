@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/util/number.h"
 #include "lab/experiment/cartesian.h"
 #include "lab/experiment/joints.h"
 

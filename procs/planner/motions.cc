@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "core/util/number.h"
 #include "lab/experiment/joints.h"
 #include "procs/planner/cartesian_path.h"
 #include "procs/planner/waypoints.h"
@@ -196,12 +197,6 @@ void stay(const Eigen::VectorXd& q, Reference& out) {
   out.q = q;
   out.v.setZero();
   out.a.setZero();
-}
-
-std::string rounded(double value) {
-  char text[32];
-  snprintf(text, sizeof text, "%.4g", value);
-  return text;
 }
 
 Config make_config(const Experiment& e, const rbd::Model& model) {

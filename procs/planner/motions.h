@@ -83,9 +83,6 @@ double shortest_way(const Config&, const Eigen::VectorXd& from, const Eigen::Vec
 /// accelerations with its square. At least kLeast.
 double shortest_time(const Config&, const Eigen::VectorXd& speeds, const Eigen::VectorXd& accelerations);
 
-/// A number for messages, four digits.
-std::string rounded(double value);
-
 /// q, at rest.
 void stay(const Eigen::VectorXd& q, Reference& out);
 

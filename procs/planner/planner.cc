@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/util/number.h"
 #include "lab/experiment/actions.h"
 #include "lab/experiment/cartesian.h"
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/util/number.h"
 #include "lab/experiment/joints.h"
 
 namespace lab::planner {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/util/number.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "procs/renderer/frames.h"
 #include "procs/renderer/logged.h"

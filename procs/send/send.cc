@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/util/number.h"
 #include "lab/experiment/experiment.h"
 
 namespace lab::send {

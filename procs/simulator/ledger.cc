@@ -6,6 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "core/util/number.h"
 #include "lab/experiment/actions.h"
 #include "lab/experiment/joints.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/util/number.h"
 #include "lab/experiment/joints.h"
 #include "procs/simulator/noise.h"
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <exception>
 
+#include "core/util/number.h"
 #include "lab/experiment/actions.h"
 #include "lab/experiment/joints.h"
 

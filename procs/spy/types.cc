@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/util/big_endian.h"
 #include "lcmtypes/texts.h"
 #include "wire/schema/channels.h"
 
@@ -52,10 +53,7 @@ const Type* Types::of(std::string_view channel, std::span<const uint8_t> bytes) 
 }
 
 int64_t fingerprint(std::span<const uint8_t> bytes) {
-  if (bytes.size() < 8) return 0;
-  uint64_t value = 0;
-  for (int i = 0; i < 8; ++i) value = value << 8 | bytes[i];
-  return static_cast<int64_t>(value);
+  return bytes.size() < 8 ? 0 : load_big_endian<int64_t>(bytes.data());
 }
 
 }  // namespace lab::spy

@@ -4,25 +4,21 @@
 
 #include <string>
 
+#include "core/util/big_endian.h"
 #include "tests/fuzz/fuzz.h"
 #include "wire/log/log_reader.h"
 
 namespace lab::fuzz {
-namespace {
-
-void put(std::vector<uint8_t>& out, uint64_t value, int bytes) {
-  for (int i = bytes - 1; i >= 0; --i) out.push_back(static_cast<uint8_t>(value >> 8 * i));
-}
-
-}  // namespace
-
 std::vector<std::vector<uint8_t>> seeds() {
   std::vector<std::vector<uint8_t>> all(2);
   for (uint64_t number = 0; number < 5; ++number) {
     const std::string channel = number % 2 ? "A" : "ROBOT_STATE";
     std::vector<uint8_t>& log = all[1];
-    put(log, 0xEDA1DA01, 4), put(log, number, 8), put(log, 1000 * number, 8), put(log, channel.size(), 4),
-        put(log, 7 * number, 4);
+    append_big_endian(log, uint32_t{0xEDA1DA01});
+    append_big_endian(log, number);
+    append_big_endian(log, 1000 * number);
+    append_big_endian(log, static_cast<uint32_t>(channel.size()));
+    append_big_endian(log, static_cast<uint32_t>(7 * number));
     log.insert(log.end(), channel.begin(), channel.end());
     log.resize(log.size() + 7 * number, 0xED);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/util/big_endian.h"
 #include "lcmtypes/texts.h"
 #include "tests/fuzz/fuzz.h"
 #include "wire/schema/schema.h"
@@ -23,7 +24,7 @@ std::vector<std::vector<uint8_t>> seeds() {
       for (const Type& type : schema.types()) {  // all members 0
         all.emplace_back(text.begin(), text.end());
         all.back().push_back(0);
-        for (int i = 7; i >= 0; --i) all.back().push_back(static_cast<uint8_t>(type.fingerprint >> 8 * i));
+        append_big_endian(all.back(), type.fingerprint);
         all.back().resize(all.back().size() + 40);
       }
     } catch (const SchemaError&) {  // a text that needs others

@@ -15,6 +15,7 @@
 #include <ctime>
 #include <unordered_map>
 
+#include "core/util/big_endian.h"
 #include "wire/bus/bus_fault.h"
 #include "wire/bus/udpm_filter.h"
 #include "wire/bus/udpm_wire.h"
@@ -218,21 +219,21 @@ void UdpmBus::publish(std::string_view channel, std::span<const uint8_t> data) {
   const iovec name{name_.data(), name_.size() + 1};  // with its NUL
   auto* bytes = const_cast<uint8_t*>(data.data());
   uint8_t header[kFragmentHeader];
-  put32(header + 4, sequence_++);
+  store_big_endian(header + 4, sequence_++);
   bool ok = true;
   if (name.iov_len + data.size() <= kMostShort) {
-    put32(header, kShort);
+    store_big_endian(header, kShort);
     iovec parts[3] = {{header, kShortHeader}, name, {bytes, data.size()}};
     ok = send(parts, 3);
   } else {
     const size_t count = (name.iov_len + data.size() + kMostFragment - 1) / kMostFragment;
-    put32(header, kFragment);
-    put32(header + 8, static_cast<uint32_t>(data.size()));
-    put16(header + 18, static_cast<uint16_t>(count));
+    store_big_endian(header, kFragment);
+    store_big_endian(header + 8, static_cast<uint32_t>(data.size()));
+    store_big_endian(header + 18, static_cast<uint16_t>(count));
     size_t offset = 0;
     for (size_t i = 0; i < count && ok; ++i) {
-      put32(header + 12, static_cast<uint32_t>(offset));
-      put16(header + 16, static_cast<uint16_t>(i));
+      store_big_endian(header + 12, static_cast<uint32_t>(offset));
+      store_big_endian(header + 16, static_cast<uint16_t>(i));
       const size_t n = std::min(data.size() - offset, i == 0 ? kMostFragment - name.iov_len : kMostFragment);
       iovec parts[3] = {{header, kFragmentHeader}, name, {bytes + offset, n}};
       if (i > 0) parts[1] = parts[2];

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/util/big_endian.h"
+
 namespace lab::udpm {
 namespace {
-
-uint32_t get16(const uint8_t* p) { return static_cast<uint32_t>(p[0]) << 8 | p[1]; }
-uint32_t get32(const uint8_t* p) { return get16(p) << 16 | get16(p + 2); }
 
 constexpr size_t kMaxChannelName = 63;
 
@@ -24,21 +23,11 @@ bool take_channel(std::span<const uint8_t>& rest, std::string_view& channel) {
 
 }  // namespace
 
-void put16(uint8_t* p, uint16_t x) {
-  p[0] = static_cast<uint8_t>(x >> 8);
-  p[1] = static_cast<uint8_t>(x);
-}
-
-void put32(uint8_t* p, uint32_t x) {
-  put16(p, static_cast<uint16_t>(x >> 16));
-  put16(p + 2, static_cast<uint16_t>(x));
-}
-
 std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) {
   if (bytes.size() < kShortHeader) return std::nullopt;
   Packet packet;
-  packet.sequence = get32(&bytes[4]);
-  const uint32_t magic = get32(&bytes[0]);
+  packet.sequence = load_big_endian<uint32_t>(&bytes[4]);
+  const uint32_t magic = load_big_endian<uint32_t>(&bytes[0]);
   if (magic == kShort) {
     packet.data = bytes.subspan(kShortHeader);
     if (!take_channel(packet.data, packet.channel)) return std::nullopt;
@@ -47,10 +36,10 @@ std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) {
   }
   if (magic != kFragment || bytes.size() < kFragmentHeader) return std::nullopt;
   packet.fragment = true;
-  packet.size = get32(&bytes[8]);
-  packet.offset = get32(&bytes[12]);
-  packet.number = static_cast<uint16_t>(get16(&bytes[16]));
-  packet.parts = static_cast<uint16_t>(get16(&bytes[18]));
+  packet.size = load_big_endian<uint32_t>(&bytes[8]);
+  packet.offset = load_big_endian<uint32_t>(&bytes[12]);
+  packet.number = load_big_endian<uint16_t>(&bytes[16]);
+  packet.parts = load_big_endian<uint16_t>(&bytes[18]);
   packet.data = bytes.subspan(kFragmentHeader);
   if (packet.number >= packet.parts) return std::nullopt;
   if (packet.number == 0 && !take_channel(packet.data, packet.channel)) return std::nullopt;

@@ -33,9 +33,6 @@ struct Packet {
 /// Nothing when the bytes are not a packet of this format or lie about their size.
 std::optional<Packet> parse_packet(std::span<const uint8_t> bytes);
 
-void put16(uint8_t* p, uint16_t x);
-void put32(uint8_t* p, uint32_t x);
-
 /// A message put together from its fragments.
 struct Assembly {
   uint64_t sender = 0;

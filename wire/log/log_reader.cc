@@ -8,6 +8,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "core/util/big_endian.h"
+
 namespace lab {
 namespace {
 
@@ -15,11 +17,6 @@ constexpr uint8_t kMagic[4] = {0xED, 0xA1, 0xDA, 0x01};
 constexpr uint64_t kHeader = 28;
 constexpr size_t kWindow = 1 << 18;
 
-uint32_t get32(const uint8_t* p) {
-  return static_cast<uint32_t>(p[0]) << 24 | static_cast<uint32_t>(p[1]) << 16 |
-         static_cast<uint32_t>(p[2]) << 8 | p[3];
-}
-int64_t get64(const uint8_t* p) { return static_cast<int64_t>(uint64_t{get32(p)} << 32 | get32(p + 4)); }
 bool is_magic(const uint8_t* p) { return std::memcmp(p, kMagic, sizeof kMagic) == 0; }
 
 }  // namespace
@@ -61,8 +58,8 @@ LogReader::Look LogReader::header(uint64_t offset, bool magic_needed, uint32_t& 
     const uint8_t* start = bytes(offset, sizeof kMagic);
     return start && !is_magic(start) && magic_needed ? Look::Bad : Look::Cut;
   }
-  channel_bytes = get32(p + 20);
-  data_bytes = get32(p + 24);
+  channel_bytes = load_big_endian<uint32_t>(p + 20);
+  data_bytes = load_big_endian<uint32_t>(p + 24);
   if (magic_needed && !is_magic(p)) return Look::Bad;
   if (channel_bytes == 0 || channel_bytes > kMaxChannel || data_bytes > kMaxData) return Look::Bad;
   return Look::Good;
@@ -86,8 +83,8 @@ LogReader::Look LogReader::look(uint64_t offset, LogEvent& event) {
     if (!beyond || !is_magic(beyond)) return Look::Bad;
   }
   p = bytes(offset, end - offset);
-  event.number = get64(p + 4);
-  event.utime = get64(p + 12);
+  event.number = load_big_endian<int64_t>(p + 4);
+  event.utime = load_big_endian<int64_t>(p + 12);
   event.channel = {reinterpret_cast<const char*>(p + kHeader), channel};
   event.data = {p + kHeader + channel, data};
   event.offset = offset;

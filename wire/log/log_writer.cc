@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "core/util/big_endian.h"
+
 namespace lab {
 namespace {
 
@@ -17,13 +19,6 @@ constexpr uint32_t kMagic = 0xEDA1DA01;
 [[noreturn]] void fail(const std::string& path, const char* what) {
   const std::string reason = std::strerror(errno);
   throw std::runtime_error(path + ": " + what + ": " + reason);
-}
-
-template <class T>
-void put(std::vector<uint8_t>& out, T x) {
-  for (int shift = 8 * (static_cast<int>(sizeof x) - 1); shift >= 0; shift -= 8) {
-    out.push_back(static_cast<uint8_t>(static_cast<std::make_unsigned_t<T>>(x) >> shift));
-  }
 }
 
 void sync_folder_of(const std::string& path) {
@@ -87,11 +82,11 @@ void LogWriter::open(int flags) {
 void LogWriter::add(int64_t utime, std::string_view channel, std::span<const uint8_t> data) {
   if (channel.empty() || channel.size() > 63)
     throw std::invalid_argument(part_ + ": channel name must have 1 to 63 bytes");
-  put(buffer_, kMagic);
-  put(buffer_, next_number_++);
-  put(buffer_, utime);
-  put(buffer_, static_cast<uint32_t>(channel.size()));
-  put(buffer_, static_cast<uint32_t>(data.size()));
+  append_big_endian(buffer_, kMagic);
+  append_big_endian(buffer_, next_number_++);
+  append_big_endian(buffer_, utime);
+  append_big_endian(buffer_, static_cast<uint32_t>(channel.size()));
+  append_big_endian(buffer_, static_cast<uint32_t>(data.size()));
   buffer_.insert(buffer_.end(), channel.begin(), channel.end());
   buffer_.insert(buffer_.end(), data.begin(), data.end());
 }

@@ -6,17 +6,11 @@
 #include <lab/input_t.hpp>
 #include <memory>
 
+#include "core/util/big_endian.h"
 #include "wire/schema/codec.h"
 
 namespace lab {
 namespace {
-
-template <class Integer>
-Integer big_endian(std::span<const uint8_t> bytes, size_t offset) {
-  uint64_t value = 0;
-  for (size_t i = 0; i < sizeof(Integer); ++i) value = value << 8 | bytes[offset + i];
-  return static_cast<Integer>(value);
-}
 
 bool assign(Bytes& place, std::span<const uint8_t> bytes, bool replace) {
   if (!place.empty() && !replace) return false;
@@ -26,14 +20,14 @@ bool assign(Bytes& place, std::span<const uint8_t> bytes, bool replace) {
 
 }  // namespace
 
-int64_t peek_utime(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 8); }
-int64_t peek_run(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 16); }
-int64_t peek_step(std::span<const uint8_t> message) { return big_endian<int64_t>(message, 24); }
+int64_t peek_utime(std::span<const uint8_t> message) { return load_big_endian<int64_t>(message.data() + 8); }
+int64_t peek_run(std::span<const uint8_t> message) { return load_big_endian<int64_t>(message.data() + 16); }
+int64_t peek_step(std::span<const uint8_t> message) { return load_big_endian<int64_t>(message.data() + 24); }
 int64_t peek_digest(std::span<const uint8_t> robot_state) {
-  return big_endian<int64_t>(robot_state, robot_state.size() - 12);
+  return load_big_endian<int64_t>(robot_state.data() + robot_state.size() - 12);
 }
 int32_t peek_extras(std::span<const uint8_t> main_message) {
-  return big_endian<int32_t>(main_message, main_message.size() - 4);
+  return load_big_endian<int32_t>(main_message.data() + main_message.size() - 4);
 }
 
 void StepRecord::clear(int64_t new_step) {

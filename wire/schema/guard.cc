@@ -3,17 +3,11 @@
 #include <bit>
 #include <cstring>
 
+#include "core/util/big_endian.h"
 #include "lcmtypes/texts.h"
 
 namespace lab {
 namespace {
-
-template <class T>
-T big_endian(const uint8_t* p) {
-  std::make_unsigned_t<T> x = 0;
-  for (size_t i = 0; i < sizeof(T); ++i) x = x << 8 | p[i];
-  return static_cast<T>(x);
-}
 
 constexpr size_t kHeadBytes = 32;  // fingerprint, utime, run, step
 
@@ -69,8 +63,8 @@ Verdict Guard::check(Channel channel, std::span<const uint8_t> bytes) const {
                   " are allowed");
   }
   if (std::string why = lab_schema().check(*rule.type, bytes); !why.empty()) return refuse(why);
-  verdict.head = {big_endian<int64_t>(&bytes[8]), big_endian<int64_t>(&bytes[16]),
-                  big_endian<int64_t>(&bytes[24])};
+  verdict.head = {load_big_endian<int64_t>(&bytes[8]), load_big_endian<int64_t>(&bytes[16]),
+                  load_big_endian<int64_t>(&bytes[24])};
   static_assert(kHeadBytes == 32);
   // another robot's message is foreign first, whatever its sizes
   if (run_ != 0 && verdict.head.run != run_ && !(r.any_run && verdict.head.run == 0)) {
@@ -82,7 +76,7 @@ Verdict Guard::check(Channel channel, std::span<const uint8_t> bytes) const {
   // empty for no rule and for equal sizes
   const auto size_fault = [&](int offset, int wanted, std::string_view field) -> std::string {
     if (offset < 0 || wanted < 0) return {};
-    const int32_t seen = big_endian<int32_t>(&bytes[offset]);
+    const int32_t seen = load_big_endian<int32_t>(&bytes[offset]);
     if (seen == wanted) return {};
     return std::string(field) + " is " + std::to_string(seen) + ", this robot has " + std::to_string(wanted);
   };

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "core/util/big_endian.h"
 #include "wire/schema/schema.h"
 
 namespace lab {
@@ -28,11 +29,11 @@ int64_t load_int(const uint8_t* p, int width) {
     case 1:
       return static_cast<int8_t>(*p);
     case 2:
-      return static_cast<int16_t>(__builtin_bswap16(load<uint16_t>(p)));
+      return load_big_endian<int16_t>(p);
     case 4:
-      return static_cast<int32_t>(__builtin_bswap32(load<uint32_t>(p)));
+      return load_big_endian<int32_t>(p);
     default:
-      return static_cast<int64_t>(__builtin_bswap64(load<uint64_t>(p)));
+      return load_big_endian<int64_t>(p);
   }
 }
 
@@ -192,10 +193,9 @@ bool Walker::strings(int type, const Op& op, uint64_t n) {
 
 bool Walker::fault_in_numbers(int type, const Op& op, uint64_t n) {
   for (uint64_t k = 0; k < n; ++k) {
-    const double x =
-        op.code == Op::Double
-            ? std::bit_cast<double>(__builtin_bswap64(load<uint64_t>(p_ + 8 * k)))
-            : static_cast<double>(std::bit_cast<float>(__builtin_bswap32(load<uint32_t>(p_ + 4 * k))));
+    const double x = op.code == Op::Double
+                         ? std::bit_cast<double>(load_big_endian<uint64_t>(p_ + 8 * k))
+                         : static_cast<double>(std::bit_cast<float>(load_big_endian<uint32_t>(p_ + 4 * k)));
     if (std::isfinite(x)) continue;
     return fail(type, op,
                 std::isnan(x) ? " is nan"

@@ -1,5 +1,6 @@
 #include <bit>
 
+#include "core/util/big_endian.h"
 #include "wire/schema/schema.h"
 
 namespace lab {
@@ -34,24 +35,24 @@ class Decoder {
   Value element(const Field& f) {
     switch (f.kind) {
       case Kind::Int8:
-        return {int64_t{static_cast<int8_t>(take(1))}};
+        return {int64_t{take<int8_t>()}};
       case Kind::Int16:
-        return {int64_t{static_cast<int16_t>(take(2))}};
+        return {int64_t{take<int16_t>()}};
       case Kind::Int32:
       case Kind::Enum:
-        return {int64_t{static_cast<int32_t>(take(4))}};
+        return {int64_t{take<int32_t>()}};
       case Kind::Int64:
-        return {static_cast<int64_t>(take(8))};
+        return {take<int64_t>()};
       case Kind::Byte:
-        return {static_cast<int64_t>(take(1))};
+        return {int64_t{take<uint8_t>()}};
       case Kind::Float:
-        return {std::bit_cast<float>(static_cast<uint32_t>(take(4)))};
+        return {std::bit_cast<float>(take<uint32_t>())};
       case Kind::Double:
-        return {std::bit_cast<double>(take(8))};
+        return {std::bit_cast<double>(take<uint64_t>())};
       case Kind::Boolean:
-        return {take(1) != 0};
+        return {take<uint8_t>() != 0};
       case Kind::String: {
-        const auto length = static_cast<size_t>(take(4));
+        const auto length = take<uint32_t>();
         std::string text(reinterpret_cast<const char*>(p_), length - 1);
         p_ += length;
         return {std::move(text)};
@@ -62,9 +63,10 @@ class Decoder {
     return {};
   }
 
-  uint64_t take(int width) {
-    uint64_t x = 0;
-    for (int i = 0; i < width; ++i) x = x << 8 | *p_++;
+  template <class Integer>
+  Integer take() {
+    const auto x = load_big_endian<Integer>(p_);
+    p_ += sizeof x;
     return x;
   }
 

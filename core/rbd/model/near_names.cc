@@ -5,10 +5,8 @@
 #include <utility>
 
 namespace rbd {
-namespace {
-
-// Levenshtein distance: one row at a time.
-int editDistance(const std::string& a, const std::string& b) {
+// One row of the table of distances between all beginnings of a and b at a time.
+int editDistance(std::string_view a, std::string_view b) {
   std::vector<int> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -22,8 +20,6 @@ int editDistance(const std::string& a, const std::string& b) {
   }
   return row.back();
 }
-
-}  // namespace
 
 std::vector<std::string> nearNames(const std::string& name, const std::vector<std::string>& names, int most) {
   std::vector<std::pair<int, std::string>> hits;

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rbd {
+
+// Levenshtein distance: letters to insert, delete or replace.
+int editDistance(std::string_view a, std::string_view b);
 
 // Up to `most` of `names`, closest edit distance first; names further than half their length are left out.
 std::vector<std::string> nearNames(const std::string& name, const std::vector<std::string>& names,

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/util/number.h"
 #include "lab/check/check.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "tests/lab/experiment/loop.h"

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/util/number.h"
 #include "lab/check/check.h"
 #include "lab/experiment/actions.h"
 #include "lab/experiment/experiment_yaml.h"

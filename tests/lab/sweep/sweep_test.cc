@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "core/util/number.h"
 #include "lab/evaluation/evaluate.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/sweep/engine.h"

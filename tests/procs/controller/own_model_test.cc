@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
+#include "core/util/number.h"
 #include "lab/experiment/robot.h"
 #include "procs/controller/controller.h"
 #include "tests/support/refusal.h"

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <random>
 
+#include "core/util/number.h"
+
 namespace lab::simulator {
 namespace {
 

@@ -14,6 +14,7 @@
 #include <map>
 #include <random>
 
+#include "core/util/big_endian.h"
 #include "wire/bus/bus.h"
 #include "wire/bus/udpm_wire.h"
 
@@ -102,14 +103,14 @@ TEST_P(Conformance, OrderAndNothingLostInABurst) {
   constexpr uint32_t kMany = 100;  // fits the smallest receive buffer of a stock kernel
   for (uint32_t i = 0; i < kMany; ++i) {
     Bytes data = noise(200, i);
-    udpm::put32(data.data(), i);
+    store_big_endian(data.data(), i);
     from->publish(i % 2 ? "ODD" : "EVEN", data);
   }
   const auto got = collect(*to, kMany);
   ASSERT_EQ(got.size(), kMany);
   for (uint32_t i = 0; i < kMany; ++i) {
     Bytes expected = noise(200, i);
-    udpm::put32(expected.data(), i);
+    store_big_endian(expected.data(), i);
     EXPECT_EQ(got[i].data, expected);
     EXPECT_EQ(got[i].channel, i % 2 ? "ODD" : "EVEN");
   }
@@ -230,8 +231,8 @@ TEST(OwnEndpoint, SequenceGapsAreCountedPerSender) {
   const auto to = open_bus(url(port));
   const auto raw = [&](int fd, uint32_t sequence) {
     uint8_t p[12] = {0, 0, 0, 0, 0, 0, 0, 0, 'C', 0, 1, 2};
-    udpm::put32(p, udpm::kShort);
-    udpm::put32(p + 4, sequence);
+    store_big_endian(p, udpm::kShort);
+    store_big_endian(p + 4, sequence);
     sockaddr_in a{};
     a.sin_family = AF_INET;
     a.sin_port = htons(static_cast<uint16_t>(port));

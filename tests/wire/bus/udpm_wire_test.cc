@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "core/util/big_endian.h"
 #include "wire/bus/udpm_filter.h"
 
 namespace lab::udpm {
@@ -15,8 +16,8 @@ using Bytes = std::vector<uint8_t>;
 
 Bytes short_packet(uint32_t sequence, const std::string& channel, const Bytes& data) {
   Bytes out(kShortHeader);
-  put32(out.data(), kShort);
-  put32(&out[4], sequence);
+  store_big_endian(out.data(), kShort);
+  store_big_endian(&out[4], sequence);
   out.insert(out.end(), channel.begin(), channel.end());
   out.push_back(0);
   out.insert(out.end(), data.begin(), data.end());
@@ -29,12 +30,12 @@ std::vector<Bytes> fragments(uint32_t sequence, const std::string& channel, cons
   std::vector<Bytes> out;
   for (size_t i = 0; i < count; ++i) {
     Bytes p(kFragmentHeader);
-    put32(p.data(), kFragment);
-    put32(&p[4], sequence);
-    put32(&p[8], static_cast<uint32_t>(data.size()));
-    put32(&p[12], static_cast<uint32_t>(i * most));
-    put16(&p[16], static_cast<uint16_t>(i));
-    put16(&p[18], static_cast<uint16_t>(count));
+    store_big_endian(p.data(), kFragment);
+    store_big_endian(&p[4], sequence);
+    store_big_endian(&p[8], static_cast<uint32_t>(data.size()));
+    store_big_endian(&p[12], static_cast<uint32_t>(i * most));
+    store_big_endian(&p[16], static_cast<uint16_t>(i));
+    store_big_endian(&p[18], static_cast<uint16_t>(count));
     if (i == 0) p.insert(p.end(), channel.c_str(), channel.c_str() + channel.size() + 1);
     const auto begin = data.begin() + static_cast<ptrdiff_t>(i * most);
     p.insert(p.end(), begin, begin + static_cast<ptrdiff_t>(std::min(most, data.size() - i * most)));
