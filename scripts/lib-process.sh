@@ -1,10 +1,10 @@
 # shellcheck shell=bash disable=SC2004,SC2034,SC2154
-# The life of one process of a group: start, signal, restart, output. A part of scripts/supervise, which owns the variables.
+# One process of a group: start, signal, restart, output. A part of scripts/supervise, which owns the variables.
 
 # --- start, reap, signal ---------------------------------------------------------------------------------------------
-# Each process has a small shell of its own that leads its session, reports its end on the control pipe and is tied to
-# us: nobody outlives the supervisor. A signal to -PID reaches the process and its children; the terminal's Ctrl-C only
-# the one who asked for us. Background jobs of a script ignore INT: the process gets the default back.
+# Each process has a small parent shell that leads its session, reports its end on the control pipe and ends with the
+# supervisor. A signal to -PID reaches the process and its children; the terminal's Ctrl-C reaches only the caller of
+# the supervisor. Background jobs of a script ignore INT: the process gets the default action back.
 # (A CHLD trap would need no such shell, but bash 5.2 blocks CHLD while `read -t` waits.)
 # shellcheck disable=SC2016  # expands in that shell
 keeper='trap "" HUP INT QUIT TERM
@@ -13,13 +13,13 @@ setpriv --pdeathsig KILL env --default-signal=HUP,INT,QUIT,TERM bash -c "$3" "$0
 wait $!
 echo "END $0 $?" >&"$control"'
 # shellcheck disable=SC2016
-teller='read -r pid _ </proc/self/stat
+pid_reporter='read -r pid _ </proc/self/stat
 echo "PID $0 $pid" >&"$2"
 eval "exec $2>&-"
-exec bash -c "$1"' # says the pid that the host sees, and becomes the command
+exec bash -c "$1"' # reports the pid that the host sees, and becomes the command
 start() {
   unset "code[$1]" "signalled[$1]" "due[$1]" "suspect[$1]" "host[$1]"
-  setpriv --pdeathsig KILL setsid bash -c "$keeper" "$1" "${command[$1]}" "$control" "$teller" \
+  setpriv --pdeathsig KILL setsid bash -c "$keeper" "$1" "${command[$1]}" "$control" "$pid_reporter" \
     </dev/null >>"$dir/$1.log" 2>/dev/null {journal}>&- &
   pid[$1]=$!
   disown "$!" # or bash reports it on our stderr when it is killed
@@ -28,7 +28,7 @@ start() {
   note "start $1 pid ${pid[$1]}"
 }
 
-# What is, for ps and wait: rewritten at every change.
+# The state file that ps and wait read: rewritten at every change.
 phase=running ended_code='' reason=''
 write_state() {
   local name status
@@ -47,7 +47,7 @@ write_state() {
   } >"$dir/.state" 2>/dev/null && mv -f "$dir/.state" "$dir/state"
 }
 
-# Whether this end is followed by another life; then when: due, ms.
+# Whether a process that has ended is to be restarted; sets when (due, ms).
 to_be_restarted() { # NAME CODE
   local name=$1 lived wait=0
   [ "$stage" -eq 0 ] && [ -z "$interrupted" ] || return 1
@@ -91,7 +91,7 @@ restart_asked() { # NAME
   fi
 }
 
-# The simulator is gone and comes back: so do all, as another launch.
+# When the simulator restarts, all processes do, as a new launch.
 set_logs_aside() {
   local n=1 file run_dir=$dir/..
   while [ -e "$run_dir/log-$n.lcm" ] || [ -e "$run_dir/log-$n.lcm.part" ] || [ -e "$run_dir/telemetry-$n.lcm" ]; do n=$((n + 1)); done
@@ -105,7 +105,7 @@ start_again() {
   again='' stage=0 force='' hurry='' failure='' blame=''
   LAB_LAUNCH=$(((SRANDOM << 31) ^ SRANDOM))
   now
-  note "everybody starts again"
+  note "all processes restart"
   for name in "${names[@]}"; do
     restarts[$name]=$((${restarts[$name]:-0} + 1))
     start "$name"
@@ -113,7 +113,7 @@ start_again() {
   write_state
 }
 
-# One copy of what is too long; the processes append, so that they go on in the emptied file.
+# A log that is too long is copied once and emptied; the processes append, so they continue in the emptied file.
 rotate_logs() {
   local size file
   while read -r size file; do
@@ -127,5 +127,5 @@ signal() { # NAME SIGNAL
   signalled[$1]=$2
   note "send $2 to $1"
   kill -"$2" -- "-${pid[$1]}" 2>/dev/null
-  kill -CONT -- "-${pid[$1]}" 2>/dev/null # the frozen shall hear it too
+  kill -CONT -- "-${pid[$1]}" 2>/dev/null # a stopped process must receive it too
 }

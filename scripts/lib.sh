@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# What every verb starts with: where things are, how to speak, how to stop. Source it first.
+# Sourced first by every verb: paths, messages, exit codes, run folders, running labs.
 set -u
 
 LAB_SCRIPTS=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
@@ -12,7 +12,7 @@ export LAB_ROOT LAB_BUILD LAB_RUNS
 export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-/nonexistent}/.cache}}
 case ":$PATH:" in *":$LAB_BUILD/bin:"*) ;; *) export PATH="$LAB_BUILD/bin:$PATH" ;; esac
 
-# package://example-robot-data/... resolves once `lab robots` has been here.
+# package://example-robot-data/... resolves after `lab robots`.
 if [ -d "$LAB_ROBOTS/example-robot-data" ]; then
   case ":${LAB_PACKAGE_PATH:-}:" in
     *":$LAB_ROBOTS:"*) ;;
@@ -44,10 +44,10 @@ help() { sed -n '2,${/^#/!q; s/^# \{0,1\}//p}' "$0"; }
 # usage_error WORDS..: exit 2 with the way to help.
 usage_error() { die 2 "$* (see: scripts/$verb --help)"; }
 
-# value OPTION [VALUE]: the value of an option, or exit 2 when there is none.
+# need_value OPTION COUNT: exits with 2 when no argument follows the option.
 need_value() { [ "$2" -ge 2 ] || usage_error "$1 needs a value"; }
 
-# need_programs NAME..: they exist in the build, or say how to get them.
+# need_programs NAME..: exits with 2 and the remedy when one of them is not built.
 need_programs() {
   local p
   for p; do
@@ -55,13 +55,13 @@ need_programs() {
   done
 }
 
-# pause S: so long between two looks at something that changes
+# pause S: waits for S seconds between two polls, without a process
 pause() {
   [ -n "${pause_pipe:-}" ] || exec {pause_pipe}<> <(:)
   read -rt "$1" -u "$pause_pipe" || true
 }
 
-# near_names WORD CANDIDATE..: those that somebody may have meant, on one line.
+# near_names WORD CANDIDATE..: the candidates that WORD may be a misspelling of, on one line.
 near_names() {
   local word=$1 candidate near=()
   shift
@@ -93,7 +93,7 @@ distance() {
 # A run is a folder with an experiment, or with a group of processes.
 is_run() { [ -f "$1/experiment.yaml" ] || [ -f "$1/processes/Procfile" ]; }
 
-# Where a run is: a folder, or a name under runs/. Prints the folder; fails when there is none.
+# find_run RUN: prints the folder of a run, given as a folder or as a name under runs/; fails when there is none.
 find_run() {
   local dir
   for dir in "$1" "$LAB_RUNS/$1"; do
@@ -105,7 +105,7 @@ find_run() {
   return 1
 }
 
-# find_runs RUN..: sets dirs to their folders, or says which is none.
+# find_runs RUN..: sets dirs to their folders; exits with 2 when one does not exist.
 find_runs() {
   local run dir
   dirs=()
@@ -115,13 +115,14 @@ find_runs() {
   done
 }
 
-# An experiment by file, or by its name in experiments/. Prints the file; or says which names are near, and fails.
+# find_experiment NAME: prints the file of an experiment, given as a file or as a name in experiments/; when there is
+# none, exits with 3 and near names.
 find_experiment() {
   local file names near
   for file in "$1" "$LAB_ROOT/experiments/$1" "$LAB_ROOT/experiments/$1.yaml"; do
     [ ! -f "$file" ] || { echo "$file" && return; }
   done
-  [ ! -e "$1" ] || die 3 "$1 is no experiment file"
+  [ ! -e "$1" ] || die 3 "$1 is not an experiment file"
   names=("$LAB_ROOT"/experiments/*.yaml)
   names=("${names[@]##*/}")
   file=${1##*/}
@@ -131,7 +132,7 @@ find_experiment() {
 
 cannot_make() { die 2 "cannot write the run folder $1 (permissions? disk full?)"; }
 
-# make_run_folder NAME [DIR]: a folder for a run, ours for as long as we hold its lock: sets dir, and made if it is new.
+# make_run_folder NAME [DIR]: makes and locks the folder of a run: sets dir, and made if it is new.
 make_run_folder() {
   local name=$1 out=$2 n
   # shellcheck disable=SC2034  # for the caller
@@ -141,7 +142,7 @@ make_run_folder() {
     [ -d "$out" ] || made=1
     mkdir -p "$out" 2>/dev/null || cannot_make "$out"
     if [ -n "$(ls -A "$out" 2>/dev/null)" ] && ! is_run "$out"; then
-      die 2 "$out is not empty and no run folder: give a new or empty one"
+      die 2 "$out is not empty and not a run folder: choose a new or empty folder"
     fi
     dir=$out
   else
@@ -149,19 +150,19 @@ make_run_folder() {
     dir=$LAB_RUNS/$name
     # shellcheck disable=SC2034
     made=1
-    for ((n = 2; ; n++)); do # mkdir decides between two runs that start together
+    for ((n = 2; ; n++)); do # mkdir is atomic: two runs that start together get two folders
       mkdir "$dir" 2>/dev/null && break
       [ -e "$dir" ] || cannot_make "$dir"
       dir=$LAB_RUNS/$name-$n
     done
   fi
   [ -w "$dir" ] || cannot_make "$dir"
-  # the run is alive for as long as somebody holds this lock on its folder
+  # the run counts as running for as long as this lock on its folder is held
   exec {run_lock}<"$dir" || cannot_make "$dir"
-  flock -n "$run_lock" || die 2 "another run is alive in $dir"
+  flock -n "$run_lock" || die 2 "another run is active in $dir"
 }
 
-# An old run in the folder makes place.
+# Removes an old run from the folder.
 empty_run_folder() {
   rm -rf "$dir"/{log*.lcm,telemetry*.lcm,*.lcm.part,frames,contact.png,metrics.json,report.html,manifest.json,processes}
   mkdir -p "$dir/processes" || cannot_make "$dir"
@@ -169,23 +170,23 @@ empty_run_folder() {
 
 point_latest() { ln -sfn "$(basename "$dir")" "$LAB_RUNS/.latest.$$" && mv -T "$LAB_RUNS/.latest.$$" "$LAB_RUNS/latest"; }
 
-# A run holds a lock on its own folder for as long as it lives: no lock file, and the kernel never forgets to unlock.
-# (Looking takes a shared lock for a moment, so that two who look do not see each other.)
+# A run holds a lock on its own folder while it runs: there is no lock file, and the kernel always releases the lock.
+# (The test takes a shared lock for a moment, so that two tests at once do not see each other.)
 run_is_alive() { ! flock -sn "$1" true; }
 
-# --- living labs -----------------------------------------------------------------------------------------------------
-# living_labs: sets living to the folders of all labs under runs/ that are alive and listen.
-living_labs() {
+# --- running labs ----------------------------------------------------------------------------------------------------
+# running_labs: sets running to the folders of all labs under runs/ that run and accept commands.
+running_labs() {
   local dir
-  living=()
+  running=()
   for dir in "$LAB_RUNS"/*/processes/control; do
     dir=${dir%/processes/control}
-    if [ -p "$dir/processes/control" ] && [ ! -L "$dir" ] && run_is_alive "$dir"; then living+=("$dir"); fi
+    if [ -p "$dir/processes/control" ] && [ ! -L "$dir" ] && run_is_alive "$dir"; then running+=("$dir"); fi
   done
 }
 
-# pick_lab ARGS..: takes `--lab RUN` out of the arguments: the others are in rest, the folder of the living lab that is
-# meant in lab_dir. RUN is a folder or a name under runs/; without it, LAB_RUN or the only one that lives.
+# pick_lab ARGS..: takes `--lab RUN` out of the arguments: sets rest to the others and lab_dir to the folder of that
+# lab. RUN is a folder or a name under runs/; without it, LAB_RUN or the only lab that runs.
 pick_lab() {
   local wanted=${LAB_RUN:-}
   rest=()
@@ -201,16 +202,16 @@ pick_lab() {
     if [ ! -p "$lab_dir/processes/control" ] || ! run_is_alive "$lab_dir"; then die 2 "$wanted is not running"; fi
     return
   fi
-  living_labs
-  case ${#living[@]} in
+  running_labs
+  case ${#running[@]} in
     0) die 2 "no lab is running (start one: scripts/lab up -d)" ;;
-    1) lab_dir=${living[0]} ;;
-    *) die 2 "several labs are running: say which with --lab RUN: ${living[*]##*/}" ;;
+    1) lab_dir=${running[0]} ;;
+    *) die 2 "several labs are running: say which with --lab RUN: ${running[*]##*/}" ;;
   esac
 }
 
-# read_state DIR: what the supervisor of a run said last, in lab_state: supervisor, launch, isolation, url, phase, code,
-# reason ..; of its processes, one line each in lab_processes: NAME STATUS PID START RESTARTS CODE REQUIRED POLICY.
+# read_state DIR: reads what the supervisor of a run wrote last: into lab_state the supervisor, isolation, url, phase,
+# code, reason; into lab_processes one line for each process: NAME STATUS PID START RESTARTS CODE REQUIRED POLICY.
 declare -A lab_state=()
 read_state() {
   local key value
@@ -220,15 +221,15 @@ read_state() {
   done <"$1/processes/state"; } 2>/dev/null
 }
 
-# enter_lab DIR COMMAND..: becomes the command, on the lab's bus.
+# enter_lab DIR COMMAND..: replaces this shell by the command, on the lab's bus.
 enter_lab() {
   local dir=$1 pid into=()
   shift
-  read_state "$dir" || die 2 "cannot read $dir/processes/state: the lab has not started yet, or is somebody else's"
+  read_state "$dir" || die 2 "cannot read $dir/processes/state: the lab has not started yet, or belongs to another user"
   pid=${lab_state[supervisor]%% *}
   if [ ! "/proc/$pid/ns/net" -ef /proc/self/ns/net ]; then # private: its own network
     [ -d "/proc/$pid" ] || die 2 "the lab in $dir has ended"
-    [ -e "/proc/$pid/ns/net" ] || die 2 "the lab in $dir is $(stat -c %U "/proc/$pid")'s: its private bus cannot be entered"
+    [ -e "/proc/$pid/ns/net" ] || die 2 "the lab in $dir belongs to $(stat -c %U "/proc/$pid"): its private bus cannot be entered"
     into=(nsenter --target "$pid" --net)
     [ "/proc/$pid/ns/user" -ef /proc/self/ns/user ] || into+=(--user --preserve-credentials)
     into+=(--)
@@ -237,8 +238,8 @@ enter_lab() {
   exec "${into[@]}" "$@"
 }
 
-# hand VERB ARGS..: the verb of lab-send, in the living lab that is meant.
-hand() {
+# send_to_lab VERB ARGS..: runs lab-send VERB on the bus of the lab that ARGS name.
+send_to_lab() {
   local name=$1
   shift
   for word; do
@@ -249,8 +250,9 @@ hand() {
   enter_lab "$lab_dir" lab-send "$name" "${rest[@]}"
 }
 
-# A script's background job ignores INT, and bash cannot trap what was ignored when it started: start again, heeding it.
-heed_interrupts() {
+# A script's background job ignores INT, and bash cannot trap a signal that was ignored when it started: starts this
+# script again with the default action.
+restore_interrupts() {
   local ignored
   ignored=$(sed -n 's/^SigIgn:[[:space:]]*//p' /proc/self/status)
   [ $((0x$ignored & 2)) -eq 0 ] || exec env --default-signal=INT "$0" "$@"

@@ -117,7 +117,7 @@ log_has() { grep -q "$2" "$LAB_RUNS/trial/processes/$1.log" 2>/dev/null; }
   eventually 10 log_has simulator up
   run lab_run -o "$LAB_RUNS/trial"
   [ "$status" -eq 2 ]
-  [[ $output == *"another run is alive"* ]]
+  [[ $output == *"another run is active"* ]]
   kill -INT "$boss"
   code_of "$boss"
 }
