@@ -27,7 +27,10 @@ class Handbook : public ::testing::Test {
     buildModels::manipulator(model, false);
     data = std::make_unique<Data>(model);
     testing::Random random(11);
-    q = random.vec(6, 2), v = random.vec(6), a = random.vec(6), tau = random.vec(6, 20);
+    q = random.vec(6, 2);
+    v = random.vec(6);
+    a = random.vec(6);
+    tau = random.vec(6, 20);
   }
   Model model;
   std::unique_ptr<Data> data;

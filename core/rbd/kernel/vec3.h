@@ -17,7 +17,11 @@ struct Vec3 {
   // From packed constants (4 doubles, aligned) or from any three doubles.
   static Vec3 load(const double* p) { return {Scalar(p[0]), Scalar(p[1]), Scalar(p[2])}; }
   static Vec3 loadU(const Scalar* p) { return {p[0], p[1], p[2]}; }
-  void storeU(Scalar* p) const { p[0] = x, p[1] = y, p[2] = z; }
+  void storeU(Scalar* p) const {
+    p[0] = x;
+    p[1] = y;
+    p[2] = z;
+  }
   Scalar operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
 
   friend Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }

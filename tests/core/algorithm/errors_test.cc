@@ -180,7 +180,8 @@ TEST(Vectors, NumbersOfTheModelThatAreNotFiniteAreNamed) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(6);
   model.damping[2] = NAN;
   EXPECT_SAYS("rnea: model.damping[2] is nan", rnea(model, data, zero, zero, zero));
-  model.damping[2] = 0, model.armature[5] = INFINITY;
+  model.damping[2] = 0;
+  model.armature[5] = INFINITY;
   EXPECT_SAYS("rnea: model.armature[5] is inf", rnea(model, data, zero, zero, Eigen::VectorXd::Ones(6)));
 }
 
