@@ -65,130 +65,153 @@ bench::State translate(const Robot& robot, const bench::State& in) {
   return out;
 }
 
-void measure(const bench::Bench& bench, const Robot& robot) {
-  const Owned<mjModel> model = build(robot);
-  const Owned<mjData> data(mj_makeData(model.get()));
-  const mjModel* m = model.get();
-  mjData* d = data.get();
-  const int nv = robot.nv, base = robot.base();
-  const std::size_t n = static_cast<std::size_t>(nv);
-  std::vector<bench::State> x;
-  for (const bench::State& s : robot.states) x.push_back(translate(robot, s));
-  std::vector<double> out(n), bias(n), M(n * n), Minv(n * n), one(n * n, 0.0), J(3 * n);
-  for (std::size_t i = 0; i < n; ++i) one[i * n + i] = 1;
+// One robot: its model, its states in MuJoCo's conventions, and a function for each algorithm, of the number of a state.
+struct Peer {
+  explicit Peer(const Robot& r)
+      : robot(r), model(build(r)), data(mj_makeData(model.get())), m(model.get()), d(data.get()) {
+    for (const bench::State& s : robot.states) x.push_back(translate(robot, s));
+    for (std::size_t i = 0; i < n; ++i) one[i * n + i] = 1;
+  }
 
-  const auto position = [&](std::size_t i) {
+  void kinematics(std::size_t i) {
     mju_copy(d->qpos, x[i].q.data(), robot.nq);
     mj_kinematics(m, d);
+  }
+  void position(std::size_t i) {
+    kinematics(i);
     mj_comPos(m, d);
-  };
-  const auto velocity = [&](std::size_t i) {
+  }
+  void velocity(std::size_t i) {
     mju_copy(d->qvel, x[i].v.data(), nv);
     position(i);
     mj_comVel(m, d);
-  };
-  const auto rnea = [&](std::size_t i) {
+  }
+  void rnea(std::size_t i) {
     velocity(i);
     mju_copy(d->qacc, x[i].a.data(), nv);
     mj_rne(m, d, 1, out.data());
-  };
-  const auto gravity = [&](std::size_t i) {
+  }
+  void nle(std::size_t i) {
+    velocity(i);
+    mj_rne(m, d, 0, out.data());
+  }
+  void gravity(std::size_t i) {
     position(i);
     mju_zero(d->qvel, nv);
     mj_comVel(m, d);
     mj_rne(m, d, 0, out.data());
-  };
-  const auto crba = [&](std::size_t i) {
+  }
+  void crba(std::size_t i) {
     position(i);
     mj_makeM(m, d);
-  };
-  const auto minv = [&](std::size_t i) {
+  }
+  void minv(std::size_t i) {
     crba(i);
     mj_factorM(m, d);
     mj_solveM(m, d, Minv.data(), one.data(), nv);
-  };
-  const auto aba = [&](std::size_t i, const double* tau) {
+  }
+  void solve(std::size_t i) {
+    crba(i);
+    mj_factorM(m, d);
+    mj_solveM(m, d, out.data(), x[i].tau.data(), 1);
+  }
+  void aba(std::size_t i, const double* tau) {
     velocity(i);
     mj_makeM(m, d);
     mj_factorM(m, d);
     mj_rne(m, d, 0, bias.data());
     mju_sub(bias.data(), tau, bias.data(), nv);
     mj_solveM(m, d, d->qacc, bias.data(), 1);
-  };
-
-  bench::Check check;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    minv(i);
-    mj_fullM(m, d, M.data());
-    const auto diagonal = [&](const std::vector<double>& matrix) {
-      return bench::sum(base, nv, [&](int k) { return matrix[static_cast<std::size_t>(k) * (n + 1)]; });
-    };
-    check.add("trM", diagonal(M));
-    check.add("trMinv", diagonal(Minv));
-    const auto joints = [&](int k) { return out[static_cast<std::size_t>(k)]; };
-    gravity(i);
-    check.add("|g|", bench::norm(base, nv, joints));
-    rnea(i);
-    check.add("|tau|", bench::norm(base, nv, joints));
-    for (int k = 0; k < 3; ++k) check.add(std::string("com_") + "xyz"[k], d -> subtree_com[k]);
-    mj_jacSubtreeCom(m, d, J.data(), 0);
-    double squares = 0;
-    for (int row = 0; row < 3; ++row) squares += std::pow(mju_norm(&J[row * n + base], nv - base), 2);
-    check.add("|Jcom|", std::sqrt(squares));
-    mj_subtreeVel(m, d);
-    check.add("|hg|", std::hypot(mju_norm3(d->subtree_angmom),
-                                 mju_norm3(d->subtree_linvel) * m->body_subtreemass[0]));
-    mj_energyVel(m, d);
-    mj_energyPos(m, d);
-    check.add("kinetic", d->energy[1]);
-    check.add("potential", d->energy[0]);
-    aba(i, out.data());
-    mju_sub(bias.data(), d->qacc, x[i].a.data(), nv);
-    check.add("aba(rnea(a))-a", mju_norm(bias.data(), nv) / mju_norm(x[i].a.data(), nv));
   }
-  check.print(bench.peer(), robot);
-
-  for (const void* results : {static_cast<const void*>(d), static_cast<const void*>(out.data()),
-                              static_cast<const void*>(Minv.data()), static_cast<const void*>(J.data())}) {
-    bench::Bench::watch(results);
-  }
-  const auto row = [&](const char* algorithm, auto&& f) { bench.row(robot, algorithm, f); };
-  row("fk", [&](std::size_t i) {
-    mju_copy(d->qpos, x[i].q.data(), robot.nq);
-    mj_kinematics(m, d);
-  });
-  row("jacobians", position);  // cdof, 6 x nv motions about the tree's centre of mass, is the nearest it has
-  row("rnea", rnea);
-  row("nle", [&](std::size_t i) {
-    velocity(i);
-    mj_rne(m, d, 0, out.data());
-  });
-  row("gravity", gravity);
-  row("crba", crba);  // sparse: without the copy to a full matrix
-  row("aba", [&](std::size_t i) { aba(i, x[i].tau.data()); });
-  row("minv", minv);
-  row("crba_chol_solve", [&](std::size_t i) {
-    crba(i);
-    mj_factorM(m, d);
-    mj_solveM(m, d, out.data(), x[i].tau.data(), 1);
-  });
-  row("com", position);
-  row("jcom", [&](std::size_t i) {
+  void jcom(std::size_t i) {
     position(i);
     mj_jacSubtreeCom(m, d, J.data(), 0);
-  });
-  row("hg", [&](std::size_t i) {
-    velocity(i);
-    mj_subtreeVel(m, d);
-  });
-  row("kinetic", [&](std::size_t i) {
+  }
+  void kinetic(std::size_t i) {
     crba(i);
     mju_copy(d->qvel, x[i].v.data(), nv);
     mj_energyVel(m, d);
+  }
+
+  const Robot& robot;
+  Owned<mjModel> model;
+  Owned<mjData> data;
+  const mjModel* m;
+  mjData* d;
+  const int nv = robot.nv, base = robot.base();
+  const std::size_t n = static_cast<std::size_t>(nv);
+  std::vector<bench::State> x;
+  std::vector<double> out = std::vector<double>(n), bias = out, M = std::vector<double>(n * n), Minv = M,
+                      one = M, J = std::vector<double>(3 * n);
+};
+
+void check(const bench::Bench& bench, Peer& p) {
+  bench::Check check;
+  for (std::size_t i = 0; i < p.x.size(); ++i) {
+    p.minv(i);
+    mj_fullM(p.m, p.d, p.M.data());
+    const auto diagonal = [&](const std::vector<double>& matrix) {
+      return bench::sum(p.base, p.nv, [&](int k) { return matrix[static_cast<std::size_t>(k) * (p.n + 1)]; });
+    };
+    check.add("trM", diagonal(p.M));
+    check.add("trMinv", diagonal(p.Minv));
+    const auto joints = [&](int k) { return p.out[static_cast<std::size_t>(k)]; };
+    p.gravity(i);
+    check.add("|g|", bench::norm(p.base, p.nv, joints));
+    p.rnea(i);
+    check.add("|tau|", bench::norm(p.base, p.nv, joints));
+    const mjtNum* com = p.d->subtree_com;
+    for (int k = 0; k < 3; ++k) check.add(std::string("com_") + "xyz"[k], com[k]);
+    mj_jacSubtreeCom(p.m, p.d, p.J.data(), 0);
+    double squares = 0;
+    for (int row = 0; row < 3; ++row) {
+      squares += std::pow(mju_norm(&p.J[row * p.n + p.base], p.nv - p.base), 2);
+    }
+    check.add("|Jcom|", std::sqrt(squares));
+    mj_subtreeVel(p.m, p.d);
+    check.add("|hg|", std::hypot(mju_norm3(p.d->subtree_angmom),
+                                 mju_norm3(p.d->subtree_linvel) * p.m->body_subtreemass[0]));
+    mj_energyVel(p.m, p.d);
+    mj_energyPos(p.m, p.d);
+    check.add("kinetic", p.d->energy[1]);
+    check.add("potential", p.d->energy[0]);
+    p.aba(i, p.out.data());
+    const double* a = p.x[i].a.data();
+    mju_sub(p.bias.data(), p.d->qacc, a, p.nv);
+    check.add("aba(rnea(a))-a", mju_norm(p.bias.data(), p.nv) / mju_norm(a, p.nv));
+  }
+  check.print(bench.peer(), p.robot);
+}
+
+void measure(const bench::Bench& bench, const Robot& robot) {
+  Peer p(robot);
+  check(bench, p);
+  for (const void* results :
+       {static_cast<const void*>(p.d), static_cast<const void*>(p.out.data()),
+        static_cast<const void*>(p.Minv.data()), static_cast<const void*>(p.J.data())}) {
+    bench::Bench::watch(results);
+  }
+  const auto row = [&](const char* algorithm, auto&& f) { bench.row(robot, algorithm, f); };
+  row("fk", [&](std::size_t i) { p.kinematics(i); });
+  // cdof, 6 x nv motions about the tree's centre of mass, is the nearest it has
+  row("jacobians", [&](std::size_t i) { p.position(i); });
+  row("rnea", [&](std::size_t i) { p.rnea(i); });
+  row("nle", [&](std::size_t i) { p.nle(i); });
+  row("gravity", [&](std::size_t i) { p.gravity(i); });
+  row("crba", [&](std::size_t i) { p.crba(i); });  // sparse: without the copy to a full matrix
+  row("aba", [&](std::size_t i) { p.aba(i, p.x[i].tau.data()); });
+  row("minv", [&](std::size_t i) { p.minv(i); });
+  row("crba_chol_solve", [&](std::size_t i) { p.solve(i); });
+  row("com", [&](std::size_t i) { p.position(i); });
+  row("jcom", [&](std::size_t i) { p.jcom(i); });
+  row("hg", [&](std::size_t i) {
+    p.velocity(i);
+    mj_subtreeVel(p.m, p.d);
   });
+  row("kinetic", [&](std::size_t i) { p.kinetic(i); });
   row("potential", [&](std::size_t i) {
-    position(i);
-    mj_energyPos(m, d);
+    p.position(i);
+    mj_energyPos(p.m, p.d);
   });
 }
 

@@ -67,30 +67,30 @@ Eigen::VectorXd tangent(const bench::Robot& robot, const std::vector<double>& x)
   return y;
 }
 
-void measure(const bench::Bench& bench, const bench::Robot& robot) {
-  if (robot.nv > 100) {  // its Data holds tensors of 6 nv^3 numbers: 48 GB at 1000 joints
-    std::printf("# pinocchio is not asked for %s: more than 100 dofs take too much memory\n",
-                robot.name.c_str());
-    return;
+struct States {
+  explicit States(const bench::Robot& robot) {
+    for (const bench::State& s : robot.states) {
+      q.push_back(vector(s.q));
+      v.push_back(tangent(robot, s.v));
+      a.push_back(tangent(robot, s.a));
+      tau.push_back(tangent(robot, s.tau));
+    }
   }
-  const pin::Model m = build(robot);
-  pin::Data d(m);
   std::vector<Eigen::VectorXd> q, v, a, tau;
-  for (const bench::State& s : robot.states) {
-    q.push_back(vector(s.q)), v.push_back(tangent(robot, s.v));
-    a.push_back(tangent(robot, s.a)), tau.push_back(tangent(robot, s.tau));
-  }
+};
 
+void check(const bench::Bench& bench, const bench::Robot& robot, const pin::Model& m, pin::Data& d,
+           const States& x) {
   bench::Check check;
   const int base = robot.base(), nv = robot.nv;
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const Eigen::VectorXd t = rnea(m, d, q[i], v[i], a[i]);
-    crba(m, d, q[i], Convention::WORLD);
-    computeMinverse(m, d, q[i]);
-    computeGeneralizedGravity(m, d, q[i]);
-    jacobianCenterOfMass(m, d, q[i]);
-    computeCentroidalMomentumTimeVariation(m, d, q[i], v[i], a[i]);
-    aba(m, d, q[i], v[i], t, Convention::WORLD);
+  for (std::size_t i = 0; i < x.q.size(); ++i) {
+    const Eigen::VectorXd t = rnea(m, d, x.q[i], x.v[i], x.a[i]);
+    crba(m, d, x.q[i], Convention::WORLD);
+    computeMinverse(m, d, x.q[i]);
+    computeGeneralizedGravity(m, d, x.q[i]);
+    jacobianCenterOfMass(m, d, x.q[i]);
+    computeCentroidalMomentumTimeVariation(m, d, x.q[i], x.v[i], x.a[i]);
+    aba(m, d, x.q[i], x.v[i], t, Convention::WORLD);
     check.add("trM", bench::sum(base, nv, [&](int k) { return d.M(k, k); }));
     check.add("trMinv", bench::sum(base, nv, [&](int k) { return d.Minv(k, k); }));
     check.add("|g|", bench::norm(base, nv, [&](int k) { return d.g[k]; }));
@@ -99,52 +99,64 @@ void measure(const bench::Bench& bench, const bench::Robot& robot) {
     check.add("|Jcom|", d.Jcom.rightCols(nv - base).norm());
     check.add("|hg|", d.hg.toVector().norm());
     check.add("|dhg|", d.dhg.toVector().norm());
-    check.add("kinetic", computeKineticEnergy(m, d, q[i], v[i]));
-    check.add("potential", computePotentialEnergy(m, d, q[i]));
-    check.add("aba(rnea(a))-a", (d.ddq - a[i]).norm() / a[i].norm());
-    computeRNEADerivatives(m, d, q[i], v[i], a[i]);
+    check.add("kinetic", computeKineticEnergy(m, d, x.q[i], x.v[i]));
+    check.add("potential", computePotentialEnergy(m, d, x.q[i]));
+    check.add("aba(rnea(a))-a", (d.ddq - x.a[i]).norm() / x.a[i].norm());
+    computeRNEADerivatives(m, d, x.q[i], x.v[i], x.a[i]);
     check.add("|dtau|", d.dtau_dq.bottomRightCorner(nv - base, nv - base).norm() +
                             d.dtau_dv.bottomRightCorner(nv - base, nv - base).norm());
-    computeABADerivatives(m, d, q[i], v[i], t);
+    computeABADerivatives(m, d, x.q[i], x.v[i], t);
     check.add("|dddq|", d.ddq_dq.bottomRightCorner(nv - base, nv - base).norm() +
                             d.ddq_dv.bottomRightCorner(nv - base, nv - base).norm());
-    check.add("|Ag|", ccrba(m, d, q[i], v[i]).rightCols(nv - base).norm());
+    check.add("|Ag|", ccrba(m, d, x.q[i], x.v[i]).rightCols(nv - base).norm());
   }
   check.print(bench.peer(), robot);
+}
 
-  Eigen::VectorXd next(m.nq), x(m.nv);
+void measure(const bench::Bench& bench, const bench::Robot& robot) {
+  if (robot.nv > 100) {  // its Data holds tensors of 6 nv^3 numbers: 48 GB at 1000 joints
+    std::printf("# pinocchio is not asked for %s: more than 100 dofs take too much memory\n",
+                robot.name.c_str());
+    return;
+  }
+  const pin::Model m = build(robot);
+  pin::Data d(m);
+  const States x(robot);
+  check(bench, robot, m, d, x);
+
+  Eigen::VectorXd next(m.nq), solution(m.nv);
   bench::Bench::watch(&d);
   bench::Bench::watch(next.data());
-  bench::Bench::watch(x.data());
+  bench::Bench::watch(solution.data());
   const auto row = [&](const char* algorithm, auto&& f) { bench.row(robot, algorithm, f); };
-  row("fk", [&](std::size_t i) { forwardKinematics(m, d, q[i]); });
-  row("fk_va", [&](std::size_t i) { forwardKinematics(m, d, q[i], v[i], a[i]); });
-  row("jacobians", [&](std::size_t i) { computeJointJacobians(m, d, q[i]); });
-  row("rnea", [&](std::size_t i) { rnea(m, d, q[i], v[i], a[i]); });
-  row("nle", [&](std::size_t i) { nonLinearEffects(m, d, q[i], v[i]); });
-  row("gravity", [&](std::size_t i) { computeGeneralizedGravity(m, d, q[i]); });
-  row("crba", [&](std::size_t i) { crba(m, d, q[i], Convention::LOCAL); });
-  row("crba", [&](std::size_t i) { crba(m, d, q[i], Convention::WORLD); });
-  row("aba", [&](std::size_t i) { aba(m, d, q[i], v[i], tau[i], Convention::LOCAL); });
-  row("aba", [&](std::size_t i) { aba(m, d, q[i], v[i], tau[i], Convention::WORLD); });
-  row("minv", [&](std::size_t i) { computeMinverse(m, d, q[i]); });
+  row("fk", [&](std::size_t i) { forwardKinematics(m, d, x.q[i]); });
+  row("fk_va", [&](std::size_t i) { forwardKinematics(m, d, x.q[i], x.v[i], x.a[i]); });
+  row("jacobians", [&](std::size_t i) { computeJointJacobians(m, d, x.q[i]); });
+  row("rnea", [&](std::size_t i) { rnea(m, d, x.q[i], x.v[i], x.a[i]); });
+  row("nle", [&](std::size_t i) { nonLinearEffects(m, d, x.q[i], x.v[i]); });
+  row("gravity", [&](std::size_t i) { computeGeneralizedGravity(m, d, x.q[i]); });
+  row("crba", [&](std::size_t i) { crba(m, d, x.q[i], Convention::LOCAL); });
+  row("crba", [&](std::size_t i) { crba(m, d, x.q[i], Convention::WORLD); });
+  row("aba", [&](std::size_t i) { aba(m, d, x.q[i], x.v[i], x.tau[i], Convention::LOCAL); });
+  row("aba", [&](std::size_t i) { aba(m, d, x.q[i], x.v[i], x.tau[i], Convention::WORLD); });
+  row("minv", [&](std::size_t i) { computeMinverse(m, d, x.q[i]); });
   row("crba_chol_solve", [&](std::size_t i) {
-    crba(m, d, q[i], Convention::WORLD);
+    crba(m, d, x.q[i], Convention::WORLD);
     pin::cholesky::decompose(m, d);
-    x = tau[i];
-    pin::cholesky::solve(m, d, x);
+    solution = x.tau[i];
+    pin::cholesky::solve(m, d, solution);
   });
-  row("coriolis", [&](std::size_t i) { computeCoriolisMatrix(m, d, q[i], v[i]); });
-  row("com", [&](std::size_t i) { centerOfMass(m, d, q[i]); });
-  row("jcom", [&](std::size_t i) { jacobianCenterOfMass(m, d, q[i]); });
-  row("ccrba", [&](std::size_t i) { ccrba(m, d, q[i], v[i]); });
-  row("hg", [&](std::size_t i) { computeCentroidalMomentum(m, d, q[i], v[i]); });
-  row("dhg", [&](std::size_t i) { computeCentroidalMomentumTimeVariation(m, d, q[i], v[i], a[i]); });
-  row("kinetic", [&](std::size_t i) { computeKineticEnergy(m, d, q[i], v[i]); });
-  row("potential", [&](std::size_t i) { computePotentialEnergy(m, d, q[i]); });
-  row("rnea_deriv", [&](std::size_t i) { computeRNEADerivatives(m, d, q[i], v[i], a[i]); });
-  row("aba_deriv", [&](std::size_t i) { computeABADerivatives(m, d, q[i], v[i], tau[i]); });
-  row("integrate", [&](std::size_t i) { integrate(m, q[i], v[i], next); });
+  row("coriolis", [&](std::size_t i) { computeCoriolisMatrix(m, d, x.q[i], x.v[i]); });
+  row("com", [&](std::size_t i) { centerOfMass(m, d, x.q[i]); });
+  row("jcom", [&](std::size_t i) { jacobianCenterOfMass(m, d, x.q[i]); });
+  row("ccrba", [&](std::size_t i) { ccrba(m, d, x.q[i], x.v[i]); });
+  row("hg", [&](std::size_t i) { computeCentroidalMomentum(m, d, x.q[i], x.v[i]); });
+  row("dhg", [&](std::size_t i) { computeCentroidalMomentumTimeVariation(m, d, x.q[i], x.v[i], x.a[i]); });
+  row("kinetic", [&](std::size_t i) { computeKineticEnergy(m, d, x.q[i], x.v[i]); });
+  row("potential", [&](std::size_t i) { computePotentialEnergy(m, d, x.q[i]); });
+  row("rnea_deriv", [&](std::size_t i) { computeRNEADerivatives(m, d, x.q[i], x.v[i], x.a[i]); });
+  row("aba_deriv", [&](std::size_t i) { computeABADerivatives(m, d, x.q[i], x.v[i], x.tau[i]); });
+  row("integrate", [&](std::size_t i) { integrate(m, x.q[i], x.v[i], next); });
 }
 
 }  // namespace

@@ -259,7 +259,7 @@ int main(int argc, char** argv) try {
   if (verb == "time") fmt::print("{}\n", time_all(job).dump());
   if (verb == "export") {
     const json scene = export_scene(job, argv[6]);
-    if (!(std::ofstream(fs::path(argv[6]) / "scene.json") << scene.dump() << std::endl))
+    if (!(std::ofstream(fs::path(argv[6]) / "scene.json") << scene.dump() << std::flush))
       throw std::runtime_error("cannot write scene.json");
   }
   if (verb == "measure") measure(job, argv[6]);
