@@ -136,7 +136,7 @@ class Checker:
         with open(name, "w", encoding="utf-8") as f:
             f.write("\n".join(text) + "\n")
         command = [self.tool, "--quiet", f"--config-file={root}/.clang-tidy", name, "--"] + flags + \
-            ["-w", "-Wcomma", "-Wno-unknown-warning-option"]
+            ["-Wno-everything", "-Wcomma"]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=root)
         try:
             out, err = process.communicate(timeout=left)
@@ -190,6 +190,11 @@ def check(options, root, tool):
     keys = {file: sources.key(file) for file in files}
     own = {file: hashlib.sha256((file + "\0" + sources.text(file)).encode()).hexdigest() for file in files}
     todo = [file for file in files if not os.path.exists(os.path.join(memory, keys[file]))]
+    for file in set(files) - set(todo):
+        os.utime(os.path.join(memory, keys[file]))
+    for name in os.listdir(memory):  # what nobody has asked for in a month
+        if time.time() - os.stat(os.path.join(memory, name)).st_mtime > 30 * 86400:
+            os.unlink(os.path.join(memory, name))
     changed = changed_files(root)
     # what somebody has just changed, then what nobody has checked yet, then what only includes something new
     todo.sort(key=lambda file: (file not in changed, os.path.exists(os.path.join(memory, own[file])), file))
