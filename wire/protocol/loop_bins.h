@@ -8,7 +8,7 @@ namespace lab {
 
 inline constexpr int kLoopBins = 84;  ///< the last from 3.7 s on
 
-inline constexpr int loop_bin(int64_t us) {
+constexpr int loop_bin(int64_t us) {
   if (us < 4) return us < 0 ? 0 : static_cast<int>(us);
   const int octave = std::bit_width(static_cast<uint64_t>(us)) - 1;
   const int bin = 4 * (octave - 1) + static_cast<int>(us >> (octave - 2) & 3);
@@ -16,7 +16,7 @@ inline constexpr int loop_bin(int64_t us) {
 }
 
 /// us: the least time in a bin; of kLoopBins, where the last one ends.
-inline constexpr int64_t loop_bin_start(int bin) {
+constexpr int64_t loop_bin_start(int bin) {
   return bin < 4 ? bin : static_cast<int64_t>(4 + bin % 4) << (bin / 4 - 1);
 }
 

@@ -58,7 +58,7 @@ inline constexpr std::array<ChannelRow, kChannels> kChannelTable{{
     {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, Kept::Telemetry, false, "", ""},
 }};
 
-inline constexpr const ChannelRow& row(Channel channel) {
+constexpr const ChannelRow& row(Channel channel) {
   return kChannelTable[static_cast<size_t>(channel)];
 }
 

@@ -165,7 +165,7 @@ void load_checked(const std::string& text, const Options& options, Loaded& out, 
 
   const ::urdf::ModelInterfaceSharedPtr tree = read_dom(*robot, elements, report);
   if (!tree) return;
-  Builder(*tree, options, out.model);
+  const Builder builder(*tree, options, out.model);
   check_bodies(out.model, elements, report);
   if (report.failed()) return;
   if (options.meshes) find_meshes(shapes, options.package_dirs, report);
