@@ -51,7 +51,7 @@ int main() {
   const Eigen::VectorXd minv_times = rbd::computeMinverse(model, data, q) * (tau - data.nle);
   roads.compare("aba, Minv times (tau - nle)", data.ddq, minv_times, 1e-12);
 
-  // released, the arm falls and swings; nobody does work, so its energy stays, to first order in dt
+  // released, the arm falls and swings; no external work is done, so its energy stays, to first order in dt
   const auto free = [](const Run&) -> Eigen::VectorXd { return Eigen::VectorXd::Zero(6); };
   const double coarse = simulate(1e-3, 1, free).energy, fine = simulate(5e-4, 1, free).energy;
   std::cout << "energy drift: " << coarse << " J, at half the time step " << fine << " J\n";

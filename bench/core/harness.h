@@ -138,7 +138,7 @@ class Bench {
   const std::string& peer() const { return peer_; }
   const std::vector<std::string>& files() const { return files_; }
 
-  /// From here on the compiler must believe that somebody reads what `results` points to.
+  /// From here on the compiler must assume that what `results` points to is read.
   static void watch(const void* results) { asm volatile("" : : "r"(results) : "memory"); }
 
   /// Times f(i), which computes `algorithm` of state i: `blocks_` blocks of about `block_ns_`, each over all

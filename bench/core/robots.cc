@@ -1,5 +1,5 @@
 // Writes one robot and its states as the text that all programs of `lab bench core` read (harness.h): the
-// same numbers for everybody. Fixed joints are merged away; armature is left out, because not every peer
+// same numbers for all programs. Fixed joints are merged away; armature is left out, because not every peer
 // knows it.
 //
 // usage: bench-robots NAME SOURCE [--floating] [--lock WORD]

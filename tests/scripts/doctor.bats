@@ -56,7 +56,7 @@ needs() { # root|userns|CAPABILITY
   mkfifo "$LAB_RUNS/old/processes/control"
   doctor
   [ "$(verdict_of leftovers)" = "note scripts/lab clean old" ]
-  exec {lock}<"$LAB_RUNS/old" # it lives: its owner holds the lock
+  exec {lock}<"$LAB_RUNS/old" # it runs: its owner holds the lock
   flock -n "$lock"
   doctor
   [ "$(verdict_of leftovers)" = "ok " ]
@@ -96,7 +96,7 @@ needs() { # root|userns|CAPABILITY
   [[ $(verdict_of 'multicast route') == ok* ]]
 }
 
-@test "a port that somebody else is on" {
+@test "a port that another process uses" {
   needs userns
   # shellcheck disable=SC2016
   on_port() { doctor unshare -Urn bash -c 'python3 -c "import socket, subprocess, sys; s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); s.bind((\"\", int(sys.argv[1]))); subprocess.run(sys.argv[2:])" '"$1"' "$@"' bash; }

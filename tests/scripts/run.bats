@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # lab run around stand-in programs: run folders, exit codes, signals, and that nothing outlives it. The stand-ins read
-# what they shall do from the experiment file: its lines are the Procfile.
+# their behaviour from the experiment file: its lines are the Procfile.
 load common
 
 setup() {
@@ -47,7 +47,7 @@ log_has() { grep -q "$2" "$LAB_RUNS/trial/processes/$1.log" 2>/dev/null; }
   [ -z "$(find "$LAB_RUNS" -name '.*' -not -path "$LAB_RUNS")" ]
 }
 
-@test "a report at the end, unless it is not wanted; the verdict does not hang on it" {
+@test "a report at the end, unless it is not wanted; the verdict does not depend on it" {
   given "simulator: true # $mark"
   run lab_run
   [ "$status" -eq 0 ]
@@ -141,7 +141,7 @@ each_way() {
   done
 }
 
-@test "INT once is graceful: 130, the manifest says so, nobody is left" {
+@test "INT once is graceful: 130, the manifest has it, no process is left" {
   given "simulator: trap 'echo clean; exit 0' INT; echo up; while :; do read -rt 1 <> <(:); done; : $mark" \
     "logger: trap 'echo flushed; exit 0' INT; echo up; while :; do read -rt 1 <> <(:); done; : $mark"
   for way in $(each_way); do

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# The supervisor, with stand-in processes: who ends, in what order, with which code, and that nobody is left.
+# The supervisor, with stand-in processes: which ones end, in what order, with which code, and that none is left.
 load common
 setup() { common_setup; }
 teardown() { common_teardown; }
@@ -45,7 +45,7 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   done
 }
 
-@test "who is not required may fail" {
+@test "a process that is not required may fail" {
   run supervise "#lab: renderer required=no" "simulator: read -rt 0.3 <> <(:); true # $mark" "renderer: exit 9 # $mark"
   [ "$status" -eq 0 ]
   [[ $output == *"renderer ended with exit code 9"* ]]
@@ -60,7 +60,7 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   [ "$(cat "$group/logger.log")" = told ]
 }
 
-@test "who does not finish in time is stopped in order" {
+@test "processes that do not finish in time are stopped in order" {
   run supervise "#lab: renderer finish=0" "#lab: planner finish=0" \
     "logger: $nap; : $mark" "renderer: $nap; : $mark" "planner: $nap; : $mark" "simulator: true # $mark"
   [ "$status" -eq 0 ]
@@ -118,7 +118,7 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
 
 @test "kill -9 of the supervisor: its processes go too" {
   supervise_in_background "simulator: echo up; $nap; : $mark" "planner: echo up; $nap; : $mark"
-  eventually 10 test -s "$group/simulator.log" # who speaks is tied to its keeper already
+  eventually 10 test -s "$group/simulator.log" # a process that has written is tied to its keeper
   eventually 10 test -s "$group/planner.log"
   kill -KILL $boss
   code_of $boss
@@ -178,7 +178,7 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   [ "$(grep -c life "$group/a.log")" -eq 1 ]
 }
 
-@test "back-off doubles: three quick lives take 0.1 + 0.2 s and more" {
+@test "back-off doubles: three quick failures take 0.1 + 0.2 s and more" {
   run supervise "#lab: a restart=always max=2" "a: exit 1 # $mark"
   mapfile -t at < <(sed -n 's/^ *\([0-9.]*\) start a.*/\1/p' "$group/supervisor.log")
   at=("${at[@]//./}") # hundredths of a second
@@ -217,13 +217,13 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   code_of $boss
 }
 
-@test "a simulator that is restarted takes everybody along, with another nonce" {
+@test "when the simulator restarts, all processes do, with another nonce" {
   supervise_in_background "#lab: simulator restart=always" "simulator: echo \$LAB_LAUNCH; $nap; : $mark" "planner: echo \$LAB_LAUNCH; $nap; : $mark"
   eventually 10 test -s "$group/planner.log"
   eventually 5 grep -qE '^process simulator running [1-9]' "$group/state"
   kill -KILL "$(sed -n 's/^process simulator running \([0-9]*\).*/\1/p' "$group/state")"
-  two_lives() { [ "$(sort -u "$group/planner.log" | wc -l)" -eq 2 ]; }
-  eventually 10 two_lives
+  two_launches() { [ "$(sort -u "$group/planner.log" | wc -l)" -eq 2 ]; }
+  eventually 10 two_launches
   [ "$(sort -u "$group/simulator.log")" = "$(sort -u "$group/planner.log")" ]
   kill -INT $boss
   code_of $boss

@@ -192,11 +192,11 @@ def check(options, root, tool):
     todo = [file for file in files if not os.path.exists(os.path.join(memory, keys[file]))]
     for file in set(files) - set(todo):
         os.utime(os.path.join(memory, keys[file]))
-    for name in os.listdir(memory):  # what nobody has asked for in a month
+    for name in os.listdir(memory):  # not used for a month
         if time.time() - os.stat(os.path.join(memory, name)).st_mtime > 30 * 86400:
             os.unlink(os.path.join(memory, name))
     changed = changed_files(root)
-    # what somebody has just changed, then what nobody has checked yet, then what only includes something new
+    # files that differ from the last commit, then texts that were never checked, then those with a changed header
     todo.sort(key=lambda file: (file not in changed, os.path.exists(os.path.join(memory, own[file])), file))
 
     start = time.monotonic()

@@ -18,7 +18,7 @@ def ends(done, code, *words):
 
 
 def namespaces():
-    """Of all living processes. (lsns counts the dead too, and in a container nobody may reap them.)"""
+    """Of all running processes. (lsns counts zombies too, and in a container they may never be reaped.)"""
     found = set()
     for entry in pathlib.Path("/proc").glob("[0-9]*"):
         try:

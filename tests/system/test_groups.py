@@ -1,4 +1,4 @@
-"""Labs that stay: up, wait, ps, restart, down, and that nothing outlives them."""
+"""Labs that keep running: up, wait, ps, restart, down, and that nothing outlives them."""
 import json
 import os
 import pathlib
@@ -17,7 +17,7 @@ INTRUDER = str(lab.BUILD / "bin" / "test-controller")
 
 @pytest.fixture
 def runs(tmp_path):
-    """A folder for runs; whatever still lives in it is ended by the lab's own supervisors."""
+    """A folder for runs; labs that still run in it are ended by their own supervisors."""
     folder = tmp_path / "runs"
     yield folder
     call(folder, "down", "--all", "--timeout", "5")
@@ -120,7 +120,7 @@ def test_kill_of_the_supervisor_leaves_nothing(runs, victim):
         os.kill(there["supervisor"], signal.SIGKILL)
     else:
         subprocess.run(["pkill", "-KILL", "-f", f"lab-up --keep {runs}"], check=True)
-    lab.until(lambda: not lab.leftovers(runs), "everybody to be gone")
+    lab.until(lambda: not lab.leftovers(runs), "all processes to end")
 
 
 def test_a_simulator_that_comes_back_brings_a_new_run(runs, tmp_path):
@@ -182,7 +182,7 @@ def test_a_python_controller_takes_the_place_by_one_line(runs, tmp_path, clock):
     assert metrics["complete"] and metrics["rms_error"] < 0.05, metrics
 
 
-def test_the_logger_is_killed_in_real_time_and_nobody_feels_it(runs, tmp_path):
+def test_the_logger_is_killed_in_real_time_without_an_effect(runs, tmp_path):
     ok(call(runs, "up", "-d", "--set", "logger.every=1", *PATIENT))
     ok(call(runs, "wait", "--ready"))
     folder = runs / "live"

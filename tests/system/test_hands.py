@@ -79,7 +79,7 @@ def test_pause_step_resume_and_live_gains_in_lockstep(tmp_path):
     assert [lab.header(data)[2] for data in inputs] == [step + 6] * 2
 
 
-def test_nobody_answers(tmp_path):
+def test_no_answer(tmp_path):
     done = subprocess.run([lab.ISOLATE, SEND, "--timeout", "0.5", "estop"], env=lab.environment(), capture_output=True, text=True, timeout=30)
     assert done.returncode == 7 and "unconfirmed" in done.stderr
 
@@ -119,7 +119,7 @@ def test_killed_controllers_are_survived(tmp_path):
         for _ in range(kills):
             before = run.step()
             os.kill(run.pid("controller"), signal.SIGKILL)
-            # not before it runs again: the next kill shall be another one
+            # not before it runs again: the next kill must hit a new process
             def runs_again():
                 seen = [e for e in events_of(run, tmp_path) if e.step > before and e.what in ("holding", "running")]
                 return any(e.what == "holding" for e in seen) and seen[-1].what == "running"

@@ -58,7 +58,7 @@ def test_verbs(verb):
     for below in re.findall(rf"lab {name} ([a-z]+) --help", text):
         text += help_of(lab.LAB, name, below)
     assert examples and all(example.startswith(f"scripts/lab {name}") for example in examples)
-    own = [re.split(r"&&|\||;| -- ", example)[0] for example in examples]  # what is piped on is somebody else's
+    own = [re.split(r"&&|\||;| -- ", example)[0] for example in examples]  # not what is piped on
     for option in re.findall(r"(?<=\s)--?[a-z][a-z-]*", " ".join(own)):
         assert len(re.findall(rf"(?<![a-z-]){re.escape(option)}(?![a-z-])", text)) > 1, f"{option} of the example is explained nowhere"
 

@@ -1,4 +1,4 @@
-"""The same Procfile under other runners: honcho (PyPI) and foreman (apt), who know nothing of us."""
+"""The same Procfile under other runners: honcho (PyPI) and foreman (apt)."""
 import os
 import shutil
 import signal
@@ -58,7 +58,7 @@ def test_interrupted_in_real_time_it_ends_cleanly(start, tmp_path):
         runner.kill()
     channels = [channel for channel, _ in lab.events(folder / "log.lcm")]
     assert channels[0] == "RUN" and channels.count("ROBOT_STATE") > 0, out
-    lab.until(lambda: not lab.leftovers(folder), "everybody to be gone")
+    lab.until(lambda: not lab.leftovers(folder), "all processes to end")
 
 
 def children(pid):

@@ -58,9 +58,7 @@ inline constexpr std::array<ChannelRow, kChannels> kChannelTable{{
     {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, Kept::Telemetry, false, "", ""},
 }};
 
-constexpr const ChannelRow& row(Channel channel) {
-  return kChannelTable[static_cast<size_t>(channel)];
-}
+constexpr const ChannelRow& row(Channel channel) { return kChannelTable[static_cast<size_t>(channel)]; }
 
 /// The channel of that wire name; none if it is not the lab's. A name that starts with `prefix` is looked up
 /// without it; with a non-empty prefix any other name is a stranger.

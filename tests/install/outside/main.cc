@@ -1,4 +1,4 @@
-// A program of somebody else: a robot from code and one from URDF, inverse and forward dynamics.
+// A program outside of the project: a robot from code and one from URDF, inverse and forward dynamics.
 #include <rbd/rbd.h>
 #include <rbd/urdf/urdf.h>
 
