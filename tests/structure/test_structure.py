@@ -1,11 +1,18 @@
 #!/usr/bin/env python3
 """The checks of this folder see what they are for: small trees with one fault each."""
+import argparse
+import contextlib
+import io
+import json
 import os
+import shutil
 import tempfile
 import unittest
+from unittest import mock
 
 import rooms
 import sizes
+import tidy
 
 TABLE = """
 `base` stands for `core/a`.
@@ -102,6 +109,77 @@ bool operator<(const A& a, const A& b) { return a.get() < b.get(); }
         text = '/* a\nb */ int x; // y\nconst char* s = R"x(\n{\n)x";\n'
         self.assertEqual(sizes.plain(text).count("\n"), text.count("\n"))
         self.assertNotIn("{", sizes.plain(text))
+
+
+MOVED = """#include <utility>
+#include "wire/a/a.h"
+namespace { int own = 0; }
+A take(A in) {
+  A out = std::move(in);
+  if (in.x.size() > 1) own = 1;
+  return out;
+}
+"""
+
+
+@unittest.skipUnless(shutil.which("clang-tidy-19"), "no clang-tidy-19")
+class Tidy(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = folder.name
+        environment = mock.patch.dict(os.environ, XDG_CACHE_HOME=os.path.join(self.root, "cache"))
+        environment.start()
+        self.addCleanup(environment.stop)
+        self.write(".clang-tidy", "Checks: '-*,bugprone-use-after-move,clang-diagnostic-comma'\nHeaderFilterRegex: '/wire/'\n")
+        self.write("wire/a/a.h", "#pragma once\n#include <string>\nstruct A { std::string x; };\n")
+        self.write("wire/a/good.cc", '#include "wire/a/a.h"\nnamespace { int own = 0; }\nint good() { return own; }\n')
+        self.write("wire/a/far.cc", "int far() { return 1; }\n")
+        commands = [{"file": os.path.join(self.root, f"wire/a/{name}.cc"), "directory": self.root,
+                     "command": f"c++ -I{self.root} -std=c++20 -o x.o -c wire/a/{name}.cc"} for name in ("good", "far", "moved")]
+        self.write("wire/a/moved.cc", "")
+        self.write("build/compile_commands.json", json.dumps(commands))
+
+    def write(self, file, text):
+        path = os.path.join(self.root, file)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+
+    def check(self, **options):
+        options = {"build": os.path.join(self.root, "build"), "files": [], "full": False, "seconds": 100, "jobs": 1, **options}
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            code = tidy.check(argparse.Namespace(**options), self.root, shutil.which("clang-tidy-19"))
+        return code, out.getvalue().splitlines()
+
+    def test_findings_in_their_file_and_line_and_clean_files_are_remembered(self):
+        # both files have a variable of the same name: together they do not compile, so each is checked alone
+        self.write("wire/a/moved.cc", MOVED)
+        code, out = self.check()
+        self.assertEqual(code, 1)
+        self.assertEqual(out[:-1], ["wire/a/moved.cc:6:7: 'in' used after it was moved [bugprone-use-after-move]"])
+        code, out = self.check()
+        self.assertEqual((code, out[-1].split(",")[0]), (1, "tidy: 2 files were clean already"))
+        self.write("wire/a/moved.cc", MOVED.replace("in.x", "out.x"))
+        self.assertEqual(self.check()[0], 0)
+        code, out = self.check()
+        self.assertEqual((code, out[-1].split(",")[0]), (0, "tidy: 3 files were clean already"))
+
+    def test_a_changed_header_or_rule_counts(self):
+        self.assertEqual(self.check()[0], 0)
+        self.write("wire/a/a.h", "#pragma once\n#include <string>\nstruct A { std::string x; };\n"
+                                 "inline int both(int& a, int& b) { a = 1, b = 2; return a; }\n")
+        code, out = self.check()
+        self.assertEqual((code, out[0].split(": ")[0]), (1, "wire/a/a.h:4:40"))
+        self.assertIn("tidy: 2 files were clean already, 1 checked", out[-1])
+        self.write(".clang-tidy", "Checks: '-*,bugprone-use-after-move'\n")
+        self.assertIn("tidy: 0 files were clean already, 3 checked", self.check()[1][-1])
+
+    def test_what_does_not_fit_into_the_time_is_left(self):
+        code, out = self.check(seconds=0)
+        self.assertEqual(code, 0)
+        self.assertIn("0 checked in 0 s, 0 findings; 3 files are left for the next run", out[-1])
+        self.assertIn("3 checked", self.check(seconds=0, full=True)[1][-1])
 
 
 if __name__ == "__main__":
