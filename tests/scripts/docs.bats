@@ -43,3 +43,12 @@ tests() {
     [ "$(stat -c %s "$f")" -le $most ] || { echo "too large: $f"; return 1; }
   done
 }
+
+@test "every source that a page names exists" {
+  tops='core|wire|lab|procs|render|lcmtypes|bench|examples|scripts|tests|experiments|models|docs'
+  for page in "$ROOT"/README.md "$ROOT"/CONTRIBUTING.md "$ROOT"/docs/*.md; do
+    while read -r file; do
+      [ -e "$ROOT/$file" ] || { echo "$page: $file"; return 1; }
+    done < <(grep -oE "\`($tops)/[A-Za-z0-9_./-]+\.[a-z]+\`" "$page" | tr -d '`' | grep -v NAME)
+  done
+}
