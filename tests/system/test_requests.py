@@ -1,4 +1,4 @@
-"""Hands on a running robot: requests in both clocks, and what the watchdog does when its controller is killed."""
+"""Requests to a running robot in both clocks, and what the watchdog does when its controller is killed."""
 import json
 import math
 import os
