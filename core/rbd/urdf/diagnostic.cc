@@ -44,6 +44,10 @@ void Report::add(Severity severity, int line, std::string element, std::string m
   list_.push_back({severity, file_, line, std::move(element), std::move(message)});
 }
 
+void Report::add(const std::vector<Diagnostic>& others) {
+  for (const Diagnostic& d : others) add(d.severity, d.line, d.element, d.message);
+}
+
 void Report::error(int line, std::string element, std::string message) {
   add(Severity::Error, line, std::move(element), std::move(message));
 }

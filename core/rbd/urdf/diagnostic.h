@@ -47,6 +47,8 @@ class Report {
   void warn(int line, std::string element, std::string message);
   void note(int line, std::string element, std::string message);
 
+  void add(const std::vector<Diagnostic>& others);
+
   // Turns every warning into an error.
   void refuse_warnings();
 

@@ -1,138 +1,22 @@
-// From a checked tree of links and joints to a Model.
+// A URDF file from text to Model and GeometryModel, stage by stage.
 #include <tinyxml2.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
-#include <map>
 
-#include "rbd/urdf/bodies.h"
-#include "rbd/urdf/dom.h"
+#include "rbd/urdf/build.h"
+#include "rbd/urdf/check_inertia.h"
+#include "rbd/urdf/check_tree.h"
+#include "rbd/urdf/read_elements.h"
 #include "rbd/urdf/shapes.h"
 #include "rbd/urdf/urdf.h"
 
 namespace rbd::urdf {
 namespace {
-
-using Tree = ::urdf::ModelInterface;
-using JointPtr = ::urdf::JointSharedPtr;
-
-Eigen::Vector3d vector_of(const ::urdf::Vector3& v) { return {v.x, v.y, v.z}; }
-
-SE3 pose_of(const ::urdf::Pose& pose) {
-  const ::urdf::Rotation& r = pose.rotation;
-  return SE3(Eigen::Quaterniond(r.w, r.x, r.y, r.z), vector_of(pose.position));
-}
-
-Inertia inertia_of(const ::urdf::Inertial& body) {
-  Eigen::Matrix3d i;
-  i << body.ixx, body.ixy, body.ixz, body.ixy, body.iyy, body.iyz, body.ixz, body.iyz, body.izz;
-  const SE3 pose = pose_of(body.origin);  // where the inertia's own axes stand in the link
-  return pose.act(Inertia(body.mass, Eigen::Vector3d::Zero(), i));
-}
-
-// What a file writes for "no limit" would overflow where limits are subtracted.
-double limit_of(double value) {
-  return std::abs(value) < 1e100 ? value : std::copysign(std::numeric_limits<double>::infinity(), value);
-}
-
-// Builds the tree below the root link; brothers alphabetical, depth first, without recursion.
-class Builder {
- public:
-  Builder(const Tree& tree, const Options& options, Model& model) : tree_(tree), model_(model) {
-    const bool floating_base = options.floating_base;
-    model_.name = tree.getName();
-    JointIndex root = 0;
-    if (floating_base) root = model_.addJoint(0, JointModelFreeFlyer(), SE3::Identity(), "root_joint");
-    add_link(*tree.getRoot(), root, SE3::Identity(), floating_base ? last_frame() : 0);
-    while (!open_.empty()) {
-      const JointPtr joint = open_.back();
-      open_.pop_back();
-      add_joint(*joint);
-    }
-    if (options.mimic) follow_leaders();
-  }
-
- private:
-  FrameIndex last_frame() const { return model_.nframes - 1; }
-
-  void add_joint(const ::urdf::Joint& joint) {
-    const FrameIndex above = model_.getFrameId(joint.parent_link_name, BODY);
-    const JointIndex carrier = model_.frames[above].parentJoint;
-    const SE3 placement = model_.frames[above].placement * pose_of(joint.parent_to_joint_origin_transform);
-    const ::urdf::Link& child = *tree_.getLink(joint.child_link_name);
-    if (joint.type == ::urdf::Joint::FIXED) {
-      model_.addFrame(Frame(joint.name, carrier, above, placement, FIXED_JOINT));
-      add_link(child, carrier, placement, last_frame());
-    } else {
-      const JointIndex index = add_moving(joint, carrier, above, placement);
-      add_link(child, index, SE3::Identity(), last_frame());
-    }
-  }
-
-  JointIndex add_moving(const ::urdf::Joint& joint, JointIndex carrier, FrameIndex above,
-                        const SE3& placement) {
-    const JointModel kind = kind_of(joint);
-    JointLimits limits;
-    if (joint.limits) {
-      // one number for all dofs of a joint, as for one
-      const auto all = [&](double x) { return Eigen::VectorXd::Constant(kind.kind_nv(), limit_of(x)); };
-      limits.lowerEffort = all(-joint.limits->effort);
-      limits.upperEffort = all(joint.limits->effort);
-      limits.lowerVelocity = all(-joint.limits->velocity);
-      limits.upperVelocity = all(joint.limits->velocity);
-      if (joint.type == ::urdf::Joint::REVOLUTE || joint.type == ::urdf::Joint::PRISMATIC) {
-        limits.lowerPosition = all(joint.limits->lower);
-        limits.upperPosition = all(joint.limits->upper);
-      }
-    }
-    const JointIndex index = model_.addJoint(carrier, kind, placement, joint.name, limits, above);
-    if (joint.dynamics) {
-      const int v = model_.joints[index].idx_v(), nv = kind.kind_nv();
-      model_.damping.segment(v, nv).setConstant(joint.dynamics->damping);
-      model_.friction.segment(v, nv).setConstant(joint.dynamics->friction);
-    }
-    return index;
-  }
-
-  // Leaders may stand anywhere, so this waits until all joints are there.
-  void follow_leaders() {
-    for (JointIndex j = 1; j < model_.njoints; ++j) {
-      const ::urdf::JointConstSharedPtr joint = tree_.getJoint(model_.names[j]);
-      if (!joint || !joint->mimic) continue;
-      model_.setMimic(j, model_.jointId(joint->mimic->joint_name), joint->mimic->multiplier,
-                      joint->mimic->offset);
-    }
-  }
-
-  static JointModel kind_of(const ::urdf::Joint& joint) {
-    const Eigen::Vector3d axis = vector_of(joint.axis);
-    if (joint.type == ::urdf::Joint::FLOATING) return JointModelFreeFlyer();
-    if (joint.type == ::urdf::Joint::PLANAR) return JointModelPlanar(axis);
-    if (joint.type == ::urdf::Joint::PRISMATIC) return JointModelPrismaticUnaligned(axis);
-    if (joint.type == ::urdf::Joint::CONTINUOUS) return JointModelContinuous(axis);
-    return JointModelRevoluteUnaligned(axis);
-  }
-
-  void add_link(const ::urdf::Link& link, JointIndex carrier, const SE3& placement, FrameIndex above) {
-    const Inertia inertia = link.inertial ? inertia_of(*link.inertial) : Inertia::Zero();
-    model_.addBodyFrame(link.name, carrier, placement, above, inertia);
-
-    std::vector<JointPtr> below = link.child_joints;
-    std::sort(below.begin(), below.end(),
-              [](const JointPtr& a, const JointPtr& b) { return a->name > b->name; });
-    open_.insert(open_.end(), below.begin(), below.end());
-  }
-
-  const Tree& tree_;
-  Model& model_;
-  std::vector<JointPtr> open_;  // joints still to be added, the next one last
-};
 
 GeometryModel place_shapes(std::vector<LinkShape> shapes, const Model& model) {
   GeometryModel out;
@@ -149,24 +33,28 @@ GeometryModel place_shapes(std::vector<LinkShape> shapes, const Model& model) {
 // Everything between text and Loaded, in stages: a stage runs only when those before found no error, so that
 // one mistake gives one message.
 void load_checked(const std::string& text, const Options& options, Loaded& out, Report& report) {
+  // XML: well-formed, one <robot>, known elements
   tinyxml2::XMLDocument document;
-  tinyxml2::XMLElement* robot = parse_robot(text, document, report);
-  if (!robot) return;
-  check_vocabulary(*robot, report);
-  if (report.failed()) return;
-  const Elements elements = check_elements(*robot, report);
-  std::vector<LinkShape> shapes = read_shapes(*robot, report);
-  if (report.failed()) return;
-  check_tree(elements, report);
-  check_names(elements, options.floating_base, report);
-  if (report.failed()) return;
-  check_mimic(elements, options.mimic, report);
+  const tinyxml2::XMLElement* xml = parse_robot(text, document, report);
+  if (!xml) return;
+  check_vocabulary(*xml, report);
   if (report.failed()) return;
 
-  const ::urdf::ModelInterfaceSharedPtr tree = read_dom(*robot, elements, report);
-  if (!tree) return;
-  const Builder builder(*tree, options, out.model);
-  check_bodies(out.model, elements, report);
+  // each link, joint and shape on its own
+  const Description robot = read_elements(*xml, report);
+  std::vector<LinkShape> shapes = read_shapes(*xml, report);
+  if (report.failed()) return;
+
+  // all of them together
+  const std::string root = check_tree(robot, report);
+  check_names(robot, options.floating_base, report);
+  if (report.failed()) return;
+  check_mimic(robot, options.mimic, report);
+  if (report.failed()) return;
+
+  // the model, and whether its bodies can exist
+  build(robot, root, options, out.model);
+  check_inertia(out.model, robot, report);
   if (report.failed()) return;
   if (options.meshes) find_meshes(shapes, options.package_dirs, report);
   out.geometry = place_shapes(std::move(shapes), out.model);

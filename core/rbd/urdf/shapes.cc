@@ -3,76 +3,82 @@
 #include <tinyxml2.h>
 
 #include <map>
+#include <optional>
 
 #include "rbd/spatial/so3.h"
+#include "rbd/urdf/read_elements.h"
 
 namespace rbd::urdf {
 namespace {
 
 using tinyxml2::XMLElement;
-using Colors = std::map<std::string, Eigen::Vector4d>;
-
-// Pose of a shape in its link; the identity without <origin>.
-SE3 read_pose(XMLElement* origin, const std::string& owner, Report& report) {
-  Eigen::Vector3d xyz = Eigen::Vector3d::Zero(), rpy = Eigen::Vector3d::Zero();
-  if (origin && origin->Attribute("xyz"))
-    read_numbers(*origin, "xyz", owner, std::span(xyz.data(), 3), report);
-  if (origin && origin->Attribute("rpy"))
-    read_numbers(*origin, "rpy", owner, std::span(rpy.data(), 3), report);
-  return SE3(rpyToMatrix(rpy), xyz);
+// Calls f with each child of that name.
+template <class F>
+void for_each(const XMLElement& parent, const char* name, F f) {
+  for (const XMLElement* e = parent.FirstChildElement(name); e; e = e->NextSiblingElement(name)) f(*e);
 }
 
-// A <color> inside <material>; false if there is none that can be read. Out-of-range parts are clamped.
-bool read_color(XMLElement& material, const std::string& owner, Eigen::Vector4d& rgba, Report& report) {
-  XMLElement* color = material.FirstChildElement("color");
-  if (!color || !read_numbers(*color, "rgba", owner, std::span(rgba.data(), 4), report)) return false;
+using Color = Eigen::Vector4d;
+
+// The colours of a file, each read once.
+struct Colors {
+  std::map<const XMLElement*, Color> own;  // by <material>: what it gives itself
+  std::map<std::string, Color> named;      // by name, wherever in the file it is given; the first one wins
+};
+
+SE3 pose_of(const Origin& origin) { return SE3(rpyToMatrix(origin.rpy), origin.xyz); }
+
+// The <color> inside <material>, nothing if there is none that can be read. Out-of-range parts are clamped.
+std::optional<Color> read_color(const XMLElement& material, const std::string& owner, Report& report) {
+  const XMLElement* color = material.FirstChildElement("color");
+  Color rgba;
+  const std::span numbers(rgba.data(), 4);
+  if (!color || !read_numbers(*color, "rgba", owner, numbers, report)) return {};
   if (rgba.minCoeff() < 0 || rgba.maxCoeff() > 1) {
     report.warn(line_of(*color, "rgba"), owner,
-                std::string("colour parts lie between 0 and 1: clamped (") + color->Attribute("rgba") + ")");
+                "colour parts lie between 0 and 1: clamped " + exactly(numbers));
     rgba = rgba.cwiseMax(0.0).cwiseMin(1.0);
   }
-  return true;
+  return rgba;
 }
 
-// Colours by material name, wherever in the file they are given; the first one wins.
-Colors read_colors(XMLElement& robot, Report& report) {
+Colors read_colors(const XMLElement& robot, Report& report) {
   Colors colors;
-  const auto add = [&](XMLElement& material, const std::string& owner) {
-    Eigen::Vector4d rgba;
+  const auto add = [&](const XMLElement& material, const std::string& owner) {
+    const std::optional<Color> rgba = read_color(material, owner, report);
+    if (!rgba) return;
+    colors.own.emplace(&material, *rgba);
     const char* name = material.Attribute("name");
-    if (read_color(material, owner, rgba, report) && name && *name) colors.emplace(name, rgba);
+    if (name && *name) colors.named.emplace(name, *rgba);
   };
-  for (XMLElement* m = robot.FirstChildElement("material"); m; m = m->NextSiblingElement("material")) {
-    add(*m, owner_of(*m));
-  }
-  for (XMLElement* link = robot.FirstChildElement("link"); link; link = link->NextSiblingElement("link")) {
-    for (XMLElement* v = link->FirstChildElement("visual"); v; v = v->NextSiblingElement("visual")) {
-      if (XMLElement* m = v->FirstChildElement("material")) add(*m, owner_of(*link));
-    }
-  }
+  for_each(robot, "material", [&](const XMLElement& m) { add(m, owner_of(m)); });
+  for_each(robot, "link", [&](const XMLElement& link) {
+    for_each(link, "visual", [&](const XMLElement& visual) {
+      if (const XMLElement* m = visual.FirstChildElement("material")) add(*m, owner_of(link));
+    });
+  });
   return colors;
 }
 
 // The material of one visual: its own colour, else that of its name, else none.
-void apply_material(XMLElement& visual, const Colors& colors, const std::string& owner,
+void apply_material(const XMLElement& visual, const Colors& colors, const std::string& owner,
                     GeometryObject& object, Report& report) {
-  XMLElement* material = visual.FirstChildElement("material");
+  const XMLElement* material = visual.FirstChildElement("material");
   if (!material) return;
-  Report checked_before(report.file());
-  object.hasColor = read_color(*material, owner, object.rgba, checked_before);
+  const auto take = [&](const auto& map, const auto& key) {
+    const auto found = map.find(key);
+    if (found == map.end()) return false;
+    object.rgba = found->second;
+    return object.hasColor = true;
+  };
+  if (take(colors.own, material) || material->FirstChildElement("texture")) return;
   const char* name = material->Attribute("name");
-  if (object.hasColor || material->FirstChildElement("texture")) return;
-  const auto named = name ? colors.find(name) : colors.end();
-  if (named != colors.end()) {
-    object.hasColor = true;
-    object.rgba = named->second;
-  } else if (name && *name) {
+  if (name && !take(colors.named, name) && *name)
     report.warn(line_of(*material), owner, std::string("material '") + name + "' has no colour anywhere");
-  }
 }
 
 // Sizes of box, cylinder, capsule, sphere: false if the shape is not usable.
-bool read_size(XMLElement& shape, const std::string& owner, GeometryObject& object, Report& report) {
+bool read_size(const XMLElement& shape, const std::string& owner, GeometryObject& object, Report& report) {
   const std::string kind = shape.Name();
   int count = 0;
   bool read = true;
@@ -100,7 +106,7 @@ bool read_size(XMLElement& shape, const std::string& owner, GeometryObject& obje
   return true;
 }
 
-bool read_mesh(XMLElement& mesh, const std::string& owner, GeometryObject& object, Report& report) {
+bool read_mesh(const XMLElement& mesh, const std::string& owner, GeometryObject& object, Report& report) {
   object.shape = Shape::Mesh;
   object.meshUri = read_text(mesh, "filename", owner, report);
   bool read = !object.meshUri.empty();
@@ -108,53 +114,61 @@ bool read_mesh(XMLElement& mesh, const std::string& owner, GeometryObject& objec
     read = read_numbers(mesh, "scale", owner, std::span(object.scale.data(), 3), report) && read;
     if (read && object.scale.cwiseAbs().minCoeff() == 0) {
       report.error(line_of(mesh, "scale"), owner,
-                   std::string("mesh scale is zero (") + mesh.Attribute("scale") + ")");
+                   "mesh scale is zero " + exactly(std::span(object.scale.data(), 3)));
       return false;
     }
   }
   return read;
 }
 
+// One <visual> or <collision>; nothing if it is not usable.
+std::optional<LinkShape> read_shape(const XMLElement& element, const std::string& owner, const Colors& colors,
+                                    Report& report) {
+  const std::string tag = element.Name();
+  LinkShape item;
+  item.visual = tag == "visual";
+  item.object.placement = pose_of(read_origin(element.FirstChildElement("origin"), owner, report));
+
+  const XMLElement* geometry = element.FirstChildElement("geometry");
+  const XMLElement* shape = geometry ? geometry->FirstChildElement() : nullptr;
+  if (!shape) {
+    report.error(line_of(geometry ? *geometry : element), owner,
+                 "<" + tag + "> has no " + (geometry ? "shape" : "<geometry>"));
+    return {};
+  }
+  if (shape->NextSiblingElement()) {
+    report.error(line_of(*shape->NextSiblingElement()), owner, "a second shape in one <geometry>");
+    return {};
+  }
+  item.line = line_of(*shape);
+  if (item.visual) apply_material(element, colors, owner, item.object, report);
+  const std::string_view kind = shape->Name();
+  const bool solid = kind == "box" || kind == "cylinder" || kind == "capsule" || kind == "sphere";
+  const bool read = kind == "mesh" ? read_mesh(*shape, owner, item.object, report)
+                                   : solid && read_size(*shape, owner, item.object, report);
+  if (!read) return {};
+  return item;
+}
+
 }  // namespace
 
-std::vector<LinkShape> read_shapes(XMLElement& robot, Report& report) {
+std::vector<LinkShape> read_shapes(const XMLElement& robot, Report& report) {
   const Colors colors = read_colors(robot, report);
   std::vector<LinkShape> out;
-  for (XMLElement* link = robot.FirstChildElement("link"); link; link = link->NextSiblingElement("link")) {
-    const std::string owner = owner_of(*link);
-    const std::string name = link->Attribute("name") ? link->Attribute("name") : "";
+  for_each(robot, "link", [&](const XMLElement& link) {
+    const std::string name = link.Attribute("name") ? link.Attribute("name") : "";
     int count[2] = {0, 0};  // names are numbered apart: collision, visual
-    for (XMLElement* e = link->FirstChildElement(); e; e = e->NextSiblingElement()) {
+    for (const XMLElement* e = link.FirstChildElement(); e; e = e->NextSiblingElement()) {
       const std::string_view tag = e->Name();
       if (tag != "visual" && tag != "collision") continue;
-      LinkShape item;
-      item.link = name;
-      item.visual = tag == "visual";
-      item.object.name = name + "_" + std::to_string(count[item.visual]++);
-      item.object.placement = read_pose(e->FirstChildElement("origin"), owner, report);
-
-      XMLElement* geometry = e->FirstChildElement("geometry");
-      XMLElement* shape = geometry ? geometry->FirstChildElement() : nullptr;
-      if (!shape) {
-        report.error(line_of(geometry ? *geometry : *e), owner,
-                     "<" + std::string(tag) + "> has no " + (geometry ? "shape" : "<geometry>"));
-        continue;
-      }
-      if (shape->NextSiblingElement()) {
-        report.error(line_of(*shape->NextSiblingElement()), owner, "a second shape in one <geometry>");
-        continue;
-      }
-      item.line = line_of(*shape);
-      const std::string_view kind = shape->Name();
-      const bool mesh = kind == "mesh";
-      const bool solid = kind == "box" || kind == "cylinder" || kind == "capsule" || kind == "sphere";
-      if (item.visual) apply_material(*e, colors, owner, item.object, report);
-      if (mesh ? read_mesh(*shape, owner, item.object, report)
-               : solid && read_size(*shape, owner, item.object, report)) {
-        out.push_back(std::move(item));
-      }
+      const int number = count[tag == "visual"]++;
+      std::optional<LinkShape> item = read_shape(*e, owner_of(link), colors, report);
+      if (!item) continue;
+      item->link = name;
+      item->object.name = name + "_" + std::to_string(number);
+      out.push_back(std::move(*item));
     }
-  }
+  });
   return out;
 }
 

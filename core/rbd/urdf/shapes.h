@@ -18,12 +18,11 @@ struct LinkShape {
 
 // All shapes of a file, link by link in the file's order. A shape of size zero is left out with a warning,
 // an impossible one is an error. Colours of named materials are filled in.
-std::vector<LinkShape> read_shapes(tinyxml2::XMLElement& robot, Report& report);
+std::vector<LinkShape> read_shapes(const tinyxml2::XMLElement& robot, Report& report);
 
 // Where a mesh URI may lie, in the order tried:
-//   package://P/x, model://P/x: in each of package_dirs, LAB_PACKAGE_PATH, ROS_PACKAGE_PATH (D/P/x, or D/x if
-//   D is
-//     called P), AMENT_PREFIX_PATH (D/share/P/x), then in the folders from the URDF upwards (as above)
+//   package://P/x, model://P/x: in each of package_dirs, LAB_PACKAGE_PATH, ROS_PACKAGE_PATH (D/P/x, or D/x
+//     if D is called P), AMENT_PREFIX_PATH (D/share/P/x), then in the folders from the URDF upwards (as above)
 //   file:///x, /x: as it is
 //   x: beside the URDF, then in each of package_dirs
 // `urdf` is the path of the URDF file; a bare name without any folder has none of the last kind but ".".

@@ -3,7 +3,7 @@
 //   rbd::Model model;
 //   rbd::urdf::buildModel("models/simple_3dof_arm.urdf", model);
 //
-// What comes out: moving joints depth first, brothers in alphabetical order of their names. Fixed joints are
+// What comes out: moving joints depth first, siblings in alphabetical order of their names. Fixed joints are
 // welded: the link's inertia goes to the moving joint above it (or to the universe, joint 0), and a frame
 // remains. Frames: one BODY frame a link, and one JOINT or FIXED_JOINT frame a joint, both with the joint's
 // pose. Read: link, inertial, joint (fixed, revolute, continuous, prismatic, planar, floating), limit,
@@ -11,7 +11,7 @@
 //
 // Errors: a file that cannot be used is refused (urdf::Error, whose text has one line per error) and nothing
 // is returned or changed. Nothing is ever printed. Nothing that would compute to NaN is accepted. Source of
-// the format: wiki.ros.org/urdf/XML, read by urdfdom after our own checks.
+// the format: wiki.ros.org/urdf/XML.
 #pragma once
 
 #include <string>

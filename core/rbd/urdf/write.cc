@@ -1,6 +1,5 @@
 #include "rbd/urdf/write.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,6 +10,7 @@
 
 #include "rbd/spatial/so3.h"
 #include "rbd/urdf/urdf.h"
+#include "rbd/urdf/xml.h"
 
 namespace rbd::urdf {
 namespace {
@@ -22,8 +22,7 @@ namespace {
 // The shortest text that reads back as the same number; "no limit" as the largest one.
 std::string number(double value) {
   if (std::isinf(value)) value = std::copysign(std::numeric_limits<double>::max(), value);
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+  return exactly(value);
 }
 
 // NAME="text", with a blank before it.

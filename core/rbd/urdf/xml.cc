@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <vector>
 
 #include "rbd/model/near_names.h"
 
@@ -227,8 +228,8 @@ std::string in_words(tinyxml2::XMLError error) {
 
 }  // namespace
 
-XMLElement* parse_robot(const std::string& text, tinyxml2::XMLDocument& document, Report& report) {
-  const auto refuse = [&](int line, const std::string& message) -> XMLElement* {
+const XMLElement* parse_robot(const std::string& text, tinyxml2::XMLDocument& document, Report& report) {
+  const auto refuse = [&](int line, const std::string& message) -> const XMLElement* {
     report.error(line, "", message);
     return nullptr;
   };
@@ -255,11 +256,11 @@ XMLElement* parse_robot(const std::string& text, tinyxml2::XMLDocument& document
     return refuse(document.ErrorLineNum(), message);
   }
 
-  XMLElement* robot = nullptr;
-  for (tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling()) {
+  const XMLElement* robot = nullptr;
+  for (const tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling()) {
     if (node->ToText() && !is_blank(node->Value()))
       return refuse(node->GetLineNum(), "text outside of <robot>");
-    XMLElement* element = node->ToElement();
+    const XMLElement* element = node->ToElement();
     if (!element) continue;
     if (robot || std::string_view(element->Name()) != "robot") {
       const std::string here = std::string(robot ? "another <" : "<") + element->Name() + ">";
@@ -282,8 +283,8 @@ int line_of(const XMLElement& element, const char* attribute) {
   return found ? found->GetLineNum() : element.GetLineNum();
 }
 
-bool read_numbers(XMLElement& element, const char* attribute, const std::string& owner, std::span<double> out,
-                  Report& report, double bound) {
+bool read_numbers(const XMLElement& element, const char* attribute, const std::string& owner,
+                  std::span<double> out, Report& report, double bound) {
   const char* text = element.Attribute(attribute);
   const std::string tag = std::string("<") + element.Name() + "> ";
   if (!text) {
@@ -293,8 +294,7 @@ bool read_numbers(XMLElement& element, const char* attribute, const std::string&
   const int line = line_of(element, attribute);
   const std::string seen = tag + attribute + "=\"" + text + "\": ";
 
-  size_t count = 0;
-  std::string plain;
+  std::vector<double> values;
   for (std::string_view rest = text;;) {
     const std::string_view word = next_word(rest);
     if (word.empty()) break;
@@ -303,23 +303,19 @@ bool read_numbers(XMLElement& element, const char* attribute, const std::string&
       report.error(line, owner, seen + wrong);
       return false;
     }
-    if (count < out.size()) out[count] = value;
-    ++count;
-    char digits[32];  // the shortest text that reads back as the same value, whatever the locale
-    plain += (plain.empty() ? "" : " ") +
-             std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+    values.push_back(value);
   }
-  if (count != out.size()) {
+  if (values.size() != out.size()) {
     report.error(line, owner,
                  seen + "needs " + std::to_string(out.size()) + (out.size() == 1 ? " number" : " numbers") +
-                     ", has " + std::to_string(count));
+                     ", has " + std::to_string(values.size()));
     return false;
   }
-  element.SetAttribute(attribute, plain.c_str());
+  std::copy(values.begin(), values.end(), out.begin());
   return true;
 }
 
-bool read_number(XMLElement& element, const char* attribute, const std::string& owner, double& out,
+bool read_number(const XMLElement& element, const char* attribute, const std::string& owner, double& out,
                  Report& report, double bound) {
   return read_numbers(element, attribute, owner, std::span(&out, 1), report, bound);
 }
@@ -356,10 +352,28 @@ std::string show(double value) {
   return {digits, std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 6).ptr};
 }
 
-std::string show(std::span<const double> values) {
+std::string exactly(double value) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+}
+
+namespace {
+
+template <class Text>
+std::string in_brackets(std::span<const double> values, Text text) {
   std::string out;
-  for (double value : values) out.append(out.empty() ? "(" : " ").append(show(value));
+  for (const double value : values) out += (out.empty() ? "(" : " ") + text(value);
   return out + ")";
+}
+
+}  // namespace
+
+std::string show(std::span<const double> values) {
+  return in_brackets(values, [](double value) { return show(value); });
+}
+
+std::string exactly(std::span<const double> values) {
+  return in_brackets(values, [](double value) { return exactly(value); });
 }
 
 }  // namespace rbd::urdf

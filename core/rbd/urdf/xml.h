@@ -17,7 +17,8 @@ namespace rbd::urdf {
 
 // Parses the text; on an error reports it and returns null. The element belongs to `document`.
 // Refuses entity declarations (they can grow without bound), binary text, and anything but one <robot>.
-tinyxml2::XMLElement* parse_robot(const std::string& text, tinyxml2::XMLDocument& document, Report& report);
+const tinyxml2::XMLElement* parse_robot(const std::string& text, tinyxml2::XMLDocument& document,
+                                        Report& report);
 
 // Walks all of <robot> once and reports unknown, repeated and unread elements and attributes, stray text,
 // and xacro that was not expanded. What is listed here is what the loader reads; the rest is ignored.
@@ -26,13 +27,14 @@ void check_vocabulary(const tinyxml2::XMLElement& robot, Report& report);
 // Where an attribute stands: its own line if the element has it, else the element's.
 int line_of(const tinyxml2::XMLElement& element, const char* attribute = nullptr);
 
-// Numbers of `attribute`, exactly out.size() of them, finite and at most `bound` in size; false and a message
-// otherwise. `owner` is how messages name it: "joint 'elbow'". On success the attribute is rewritten in plain
-// form, so that a second parser reads the very same values.
-bool read_numbers(tinyxml2::XMLElement& element, const char* attribute, const std::string& owner,
-                  std::span<double> out, Report& report, double bound = 1e9);
-bool read_number(tinyxml2::XMLElement& element, const char* attribute, const std::string& owner, double& out,
-                 Report& report, double bound = 1e9);
+inline constexpr double kNumberBound = 1e9;  // no length, mass, angle .. of a robot is larger
+
+// Numbers of `attribute`, exactly out.size() of them, finite and at most `bound` in size; false, a message and
+// `out` as it was otherwise. `owner` is how messages name it: "joint 'elbow'".
+bool read_numbers(const tinyxml2::XMLElement& element, const char* attribute, const std::string& owner,
+                  std::span<double> out, Report& report, double bound = kNumberBound);
+bool read_number(const tinyxml2::XMLElement& element, const char* attribute, const std::string& owner,
+                 double& out, Report& report, double bound = kNumberBound);
 
 // Text of a required, non-blank attribute; empty and a message if it is missing, or still xacro.
 std::string read_text(const tinyxml2::XMLElement& element, const char* attribute, const std::string& owner,
@@ -48,5 +50,10 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
 std::string show(double value);
 // Several of them: "(0 0 2)".
 std::string show(std::span<const double> values);
+
+// The shortest text that reads back as the same number, whatever the locale.
+std::string exactly(double value);
+// Several of them: "(1.0000001 0 0 1)".
+std::string exactly(std::span<const double> values);
 
 }  // namespace rbd::urdf

@@ -123,7 +123,7 @@ TEST(UrdfModel, TextAndFileAreTheSame) {
   expect_equal(from_file, from_text, 0);
 }
 
-// Depth first, brothers by name, whatever the order in the file: 20 shuffles of one tree.
+// Depth first, siblings by name, whatever the order in the file: 20 shuffles of one tree.
 TEST(UrdfModel, OrderIsAlphabeticalDepthFirst) {
   std::vector<std::string> parts = {link("root"), link("l1"), link("l2"), link("l3"),
                                     link("l4"),   link("l5"), link("l6")};
@@ -322,7 +322,7 @@ TEST(UrdfModel, RollPitchYawIsFixedAxes) {
   EXPECT_TRUE(loaded.model.jointPlacements[1].rotation().isApprox(wanted, 1e-15));
 }
 
-// The message handler of urdfdom is one for the whole process: loading in several threads must not mix.
+// Nothing is shared between loads.
 TEST(UrdfModel, ThreadsMayLoadAtOnce) {
   Model wanted;
   buildModel(kArm, wanted);

@@ -1,15 +1,13 @@
-#include "rbd/urdf/bodies.h"
-
-#include <tinyxml2.h>
+#include "rbd/urdf/check_inertia.h"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <vector>
 
+#include "rbd/urdf/xml.h"
+
 namespace rbd::urdf {
 namespace {
-
-using tinyxml2::XMLElement;
 
 // Principal moments, ascending.
 Eigen::Vector3d moments_of(const Eigen::Matrix3d& inertia) {
@@ -25,19 +23,14 @@ bool is_point(const Eigen::Vector3d& moments, double mass) {
 }
 
 // One link's own inertia; `body`: all that moves with it, `fixed`: it stands on the ground and never moves.
-void check_link(const XMLElement& link, const Inertia& body, bool fixed, Report& report) {
-  const XMLElement* inertial = link.FirstChildElement("inertial");
-  if (!inertial) return;
-  const XMLElement& element = *inertial->FirstChildElement("inertia");
-  const double mass = inertial->FirstChildElement("mass")->DoubleAttribute("value");
-  const auto at = [&](const char* name) { return element.DoubleAttribute(name); };
-  Eigen::Matrix3d tensor;
-  tensor << at("ixx"), at("ixy"), at("ixz"), at("ixy"), at("iyy"), at("iyz"), at("ixz"), at("iyz"), at("izz");
-
+void check_link(const Link& link, const Inertia& body, bool fixed, Report& report) {
+  if (!link.inertial) return;
+  const double mass = link.inertial->mass;
+  const Eigen::Matrix3d& tensor = link.inertial->tensor;
   const Eigen::Vector3d moments = moments_of(tensor);
   const std::string seen = "(principal moments " + show(std::span(moments.data(), 3)).substr(1);
   const std::string owner = owner_of(link);
-  const int line = line_of(element);
+  const int line = link.inertial->tensor_line;
   if (tensor.isZero(0) && mass == 0) return;
   if (is_point(moments, mass)) {
     report.warn(line, owner, "inertia is zero: a point mass of " + show(mass) + " kg");
@@ -63,10 +56,10 @@ void check_link(const XMLElement& link, const Inertia& body, bool fixed, Report&
 
 }  // namespace
 
-void check_bodies(const Model& model, const Elements& elements, Report& report) {
-  for (const auto& [name, link] : elements.links) {
+void check_inertia(const Model& model, const Description& robot, Report& report) {
+  for (const auto& [name, link] : robot.links) {
     const JointIndex carrier = model.frames[model.getFrameId(name, BODY)].parentJoint;
-    check_link(*link, model.inertias[carrier], carrier == 0, report);
+    check_link(link, model.inertias[carrier], carrier == 0, report);
   }
 
   std::vector<bool> inner(model.njoints, false);  // joints with another joint below
@@ -74,8 +67,8 @@ void check_bodies(const Model& model, const Elements& elements, Report& report) 
   for (JointIndex i = 1; i < model.njoints; ++i) {
     const Inertia& body = model.inertias[i];
     const JointModel& joint = model.joints[i];
-    const auto found = elements.joints.find(model.names[i]);  // not there: the root joint
-    const int line = found == elements.joints.end() ? 0 : line_of(*found->second);
+    const auto found = robot.joints.find(model.names[i]);  // not there: the root joint
+    const int line = found == robot.joints.end() ? 0 : found->second.line;
     const std::string owner = "joint '" + model.names[i] + "'";
 
     // the body's inertia along or about its joint's own axis
