@@ -71,11 +71,11 @@ struct IkScratch {
   explicit IkScratch(const Model& model, int targets = 1);
 
   Data data;
-  Eigen::MatrixXd J, A;              // 6 targets x nv, square; all rows of a target, used or not
-  Eigen::MatrixXd frame_J;           // 6 x nv
-  Eigen::VectorXd e, r;              // 6 targets: error, right-hand side
-  Eigen::VectorXd dq, dq_preferred;  // nv: step, the step that is drawn to where nothing else is asked for
-  Eigen::VectorXd gradient;          // nv: J' e
+  Eigen::MatrixXd J, A;                    // 6 targets x nv, square; all rows of a target, used or not
+  Eigen::MatrixXd frame_J;                 // 6 x nv
+  Eigen::VectorXd e, r;                    // 6 targets: error, right-hand side
+  Eigen::VectorXd dq, dq_preferred;        // nv: step; the step preferred where targets leave freedom
+  Eigen::VectorXd gradient;                // nv: J' e
   Eigen::VectorXd lower_step, upper_step;  // nv: room to the limits
   Eigen::VectorXd at, next, kept, best;    // nq
   std::vector<char> clamped;               // nv: the step ends at a limit

@@ -19,24 +19,13 @@ void coordinates(const Vec3<double>& angular, const Vec3<double>& linear, double
 
 // Carpentier 2018: aba for all unit efforts at once, in world axes. Column c of F is the force that the
 // bodies beyond need when dof c is pushed; column c of P the acceleration of the body reached so far. Dofs
-// are taken in depth-first order, where what a dof moves is one range of columns. `W` (row k at W + k stride)
-// gets the upper triangle.
-int minverseKernel(const Model& model, const double* rotor, Workspace& work, const double* q, double* W,
-                   double& d) {
-  Scratch<double>& s = work.scratch;
-  const Joints& joints = model.tree().joints;
-  const int nv = model.nv, stride = work.stride;
-  sinesAndCosines(model, q, s);
-  worldPoses(joints, q, s);
-  for (int i = 1; i < model.tree().size(); ++i) {
-    worldSubspace(joints[i], i, s);
-    s.IA[i] = ArticulatedInertia<double>::rigid(worldInertia(joints[i], s.R[i], s.p[i]));
-  }
-  const int singular = articulate(joints, rotor, s, d, [](int, int) {});
-  if (singular >= 0) return singular;
+// are taken in depth-first order, where what a dof moves is one range of columns. Row k is at W + k stride.
 
-  // inward: row k = - S_k' F / D_k, then F takes U_k times that row. Four columns at a time, from the chunk
-  // that holds k: left of k all of F is still 0, beyond what k moves `mine` keeps 0.
+// Inward: row k = - S_k' F / D_k, then F takes U_k times that row. Four columns at a time, from the chunk that
+// holds k: left of k all of F is still 0, beyond what k moves F keeps 0.
+void minverseInward(Workspace& work, int nv, double* W) {
+  Scratch<double>& s = work.scratch;
+  const int stride = work.stride;
   double* const F = s.F.data();
   std::fill(s.F.begin(), s.F.end(), 0.0);
   for (int at = nv - 1; at >= 0; --at) {
@@ -61,8 +50,12 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
     }
     for (int c = (end + 3) & ~3; c < stride; c += 4) storeLanes(row + c, Lanes4{});
   }
+}
 
-  // outward: what the parents' motion adds, and the motion handed on to the children
+// Outward: what the parents' motion adds, and the motion handed on to the children.
+void minverseOutward(Workspace& work, int nv, double* W) {
+  Scratch<double>& s = work.scratch;
+  const int stride = work.stride;
   for (int at = 0; at < nv; ++at) {
     const int k = work.order[at], depth = work.depth[at];
     double* row = W + at * stride;
@@ -89,6 +82,23 @@ int minverseKernel(const Model& model, const double* rotor, Workspace& work, con
       }
     }
   }
+}
+
+// Fills the upper triangle. Returns the dof whose inertia d is singular, or -1.
+int minverseKernel(const Model& model, const double* rotor, Workspace& work, const double* q, double* W,
+                   double& d) {
+  Scratch<double>& s = work.scratch;
+  const Joints& joints = model.tree().joints;
+  sinesAndCosines(model, q, s);
+  worldPoses(joints, q, s);
+  for (int i = 1; i < model.tree().size(); ++i) {
+    worldSubspace(joints[i], i, s);
+    s.IA[i] = ArticulatedInertia<double>::rigid(worldInertia(joints[i], s.R[i], s.p[i]));
+  }
+  const int singular = articulate(joints, rotor, s, d, [](int, int) {});
+  if (singular >= 0) return singular;
+  minverseInward(work, model.nv, W);
+  minverseOutward(work, model.nv, W);
   return -1;
 }
 

@@ -3,9 +3,9 @@
 //
 // Joints with one axis have been turned so that they move about or along their local z. TurnZ and SlideZ
 // are nearly all there are and come first everywhere; the rest say where q puts the body (displacement),
-// which axes it moves along (S) and no more. The switches have no default: a new kind does not compile before it
-// is in all of them. The world-axes algorithms take dofs one after the other and see
-// no kind at all. All motion subspaces here are constant in the body: S_dot qd = v x S qd.
+// which axes it moves along (S) and no more. The switches have no default: a new kind does not compile before
+// it is in all of them. The world-axes algorithms take dofs one after the other and see no kind at all. All
+// motion subspaces here are constant in the body: S_dot qd = v x S qd.
 #pragma once
 
 #include <cmath>

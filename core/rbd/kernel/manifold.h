@@ -1,6 +1,6 @@
 // The spaces that configurations of joints live in, each with the same few operations on plain arrays. Joint
-// kinds name theirs (model/joint.h). twist(v) is v as a body twist, add(v, w) what moving along it adds to v. d
-// integrate / d q, d integrate / d v and the like follow from
+// kinds name theirs (model/joint.h).
+//   twist(v):           v as a body twist; add(v, m): v plus the part of a twist m that lies in the space
 //   adjointInverse(v):  Ad(exp v)^-1, how a change of q moves the end integrate(q, v)
 //   rightJacobian(v):   how a change of v moves that end; and its inverse
 // Source: Sola, Deray, Atchuthan, A micro Lie theory, 2018.

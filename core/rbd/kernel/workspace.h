@@ -19,25 +19,29 @@ template <class Scalar>
 struct Scratch {
   explicit Scratch(const Model& model);
 
-  // bodies and dofs are those of the kernels' tree (packed_joint.h)
-  std::vector<Scalar> sine, cosine;            // nq + 3: of every entry of q (only those of angles are used)
-  std::vector<Pose<Scalar>> X;                 // bodies, joint in its parent                  localPoses
-  std::vector<Mat3<Scalar>> R;                 // bodies, kernel frame in world axes           worldPoses
-  std::vector<Vec3<Scalar>> p;                 // bodies, its origin from the centre (m)       worldPoses
-  Vec3<Scalar> centre = Vec3<Scalar>::zero();  // in the world (m)                             worldPoses
-  std::vector<SpatialMotion<Scalar>> S;        // nv, motion subspace dof by dof, world axes  worldSubspace
-  std::vector<RigidInertia<Scalar>> I;         // bodies, world axes                           worldInertias
-  std::vector<RigidInertia<Scalar>> dI;     // bodies, its rate             computeCentroidalMapTimeVariation
-  std::vector<SpatialMotion<Scalar>> v, a;  // bodies, local or world as the algorithm says
-  std::vector<SpatialForce<Scalar>> f;      // bodies, the same
-  std::vector<CoriolisInertia<Scalar>> B;   // bodies, world axes                           coriolisTerms
-  std::vector<SpatialMotion<Scalar>> Sd, Psid, Psidd;  // nv, world axes                    motionRates
-  std::vector<ArticulatedInertia<Scalar>>
-      IA;                               // bodies, world axes                         aba, computeMinverse
-  std::vector<SpatialForce<Scalar>> U;  // nv, IA S
-  std::vector<Scalar> inverseD, u;      // nv
-  std::vector<Scalar> largestD;         // bodies, over all dofs at and beyond a joint
-  std::vector<Scalar> F, P;  // 6 x stride and 6 x stride per depth: one row per force or motion coordinate
+  // clang-format off
+  // How many: of the kernels' tree (packed_joint.h). Written by: the function that fills it. SI units; p, centre in m.
+  //                                            how many   what it holds                         written by
+  std::vector<Scalar> sine, cosine;             // nq + 3   of every entry of q, used if an angle  sinesAndCosines
+  std::vector<Pose<Scalar>> X;                  // bodies   joint in its parent, local             rneaKernel, forwardKinematics
+  std::vector<Mat3<Scalar>> R;                  // bodies   kernel frame in world axes             worldPoses
+  std::vector<Vec3<Scalar>> p;                  // bodies   its origin, from the centre            worldPoses
+  Vec3<Scalar> centre = Vec3<Scalar>::zero();   // 1        in the world                           worldPoses
+  std::vector<SpatialMotion<Scalar>> S;         // nv       motion subspace by dof, world axes     worldSubspace
+  std::vector<RigidInertia<Scalar>> I;          // bodies   world axes; composite after a pass     worldInertias
+  std::vector<RigidInertia<Scalar>> dI;         // bodies   rate of I, world axes                  computeCentroidalMapTimeVariation
+  std::vector<SpatialMotion<Scalar>> v, a;      // bodies   local or world axes, as each kernel says
+  std::vector<SpatialForce<Scalar>> f;          // bodies   the same
+  std::vector<CoriolisInertia<Scalar>> B;       // bodies   world axes; composite after a pass     computeCoriolisMatrix, computeRNEADerivatives
+  std::vector<SpatialMotion<Scalar>> Sd;        // nv       rate of S, world axes                  motionRates
+  std::vector<SpatialMotion<Scalar>> Psid, Psidd;  // nv    (motion_rates.h), world axes           motionRates
+  std::vector<ArticulatedInertia<Scalar>> IA;   // bodies   world axes                             aba, computeMinverse
+  std::vector<SpatialForce<Scalar>> U;          // nv       IA S                                   articulate
+  std::vector<Scalar> inverseD;                 // nv       1 / (S' U + rotor)                     articulate
+  std::vector<Scalar> u;                        // nv       tau - S' f                             aba
+  std::vector<Scalar> largestD;                 // bodies   of all dofs at and beyond the joint    articulate
+  std::vector<Scalar> F, P;                     // 6 stride; per depth: one row per coordinate     computeMinverse
+  // clang-format on
 };
 
 // What computeForwardKinematicsDerivatives leaves for its getters; names as in Scratch.

@@ -8,8 +8,8 @@
 // - a universal joint is two turning joints with a massless body between;
 // - joints that mimic others are independent: the tree has its own q and v (tree.nq, tree.nv entries),
 //   which a linear map makes from the user's; efforts come back by its transpose (kernel/mimic.h).
-//   Plain doubles, so that any scalar type can be loaded from them; 3-vectors take 4 places (the last is
-//   0), 3x3 matrices three such columns.
+// Plain doubles, so that any scalar type can be loaded from them; 3-vectors take 4 places (the last is 0), 3x3
+// matrices three such columns.
 #pragma once
 
 #include <vector>
