@@ -25,7 +25,8 @@ run_t make_run(const Experiment& experiment, const Robot& robot) {
   run.urdf = robot.urdf;
   run.model_hash = robot.hash;
   run.seed = experiment.seed;
-  run.nq = robot.model.nq, run.nv = robot.model.nv;
+  run.nq = robot.model.nq;
+  run.nv = robot.model.nv;
   for (int joint = 1; joint < static_cast<int>(robot.model.njoints); ++joint)
     if (robot.model.joints[joint].nv() > 0) run.joint_names.push_back(robot.model.names[joint]);
   run.njoints = static_cast<int32_t>(run.joint_names.size());
@@ -62,7 +63,7 @@ std::vector<Bytes> type_messages(int64_t run) {
   const Schema& schema = lab_schema();
   std::set<std::string> names;
   for (const ChannelRow& channel : kChannelTable)
-    if (channel.kept == Kept::Log) names.emplace(channel.type);
+    if (channel.log_file == LogFile::Log) names.emplace(channel.type);
   for (bool grown = true; grown;) {  // and the types inside them
     grown = false;
     for (const std::string& name : std::set<std::string>(names))
@@ -73,8 +74,10 @@ std::vector<Bytes> type_messages(int64_t run) {
   for (const std::string& name : names) {
     const Type& type = *schema.find(name);
     type_t message{};
-    message.run = run, message.step = kBeforeStart;
-    message.name = name, message.fingerprint = type.fingerprint;
+    message.run = run;
+    message.step = kBeforeStart;
+    message.name = name;
+    message.fingerprint = type.fingerprint;
     message.source = schema.sources()[type.source].text;
     std::set<std::string> channels;
     for (const ChannelRow& channel : kChannelTable)

@@ -53,7 +53,8 @@ int follower_main(int argc, char** argv, const std::string& name,
   return guarded_main("lab-" + name, [&] {
     Participant participant(options);
     FollowerConfig config;
-    config.deadline = std::llround(deadline * 1e6), config.ready_deadline = std::llround(ready * 1e6);
+    config.deadline = std::llround(deadline * 1e6);
+    config.ready_deadline = std::llround(ready * 1e6);
     if (!run_dir.empty()) config.read_log = log_reader(run_dir + "/log.lcm");
     const auto role = make_role(std::move(config), participant.publish());
     return participant.run(*role);

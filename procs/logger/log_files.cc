@@ -31,7 +31,10 @@ std::optional<Whole> whole_steps(const std::string& path, int64_t run) {
     if (!channel) return std::nullopt;
     const Verdict verdict = guard.check(*channel, event.data);
     if (!verdict || verdict.head.run != run) return std::nullopt;
-    if (verdict.head.step != last_step) last_step = verdict.head.step, whole = {event.offset, events};
+    if (verdict.head.step != last_step) {
+      last_step = verdict.head.step;
+      whole = {event.offset, events};
+    }
   }
   if (last_step == kBeforeStart) return std::nullopt;
   return whole;

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "wire/log/log_writer.h"
-#include "wire/protocol/recorder.h"
+#include "wire/protocol/logger_role.h"
 
 namespace lab::logger {
 

@@ -28,10 +28,11 @@ int main(int argc, char** argv) {
   return lab::guarded_main("lab-logger", [&] {
     lab::logger::LogFiles files(run_dir);
     lab::Participant participant(options);
-    lab::RecorderConfig config;
+    lab::LoggerConfig config;
     if (const std::string file = run_dir + "/experiment.yaml"; std::filesystem::exists(file))
       config.every = lab::load_experiment(file).logger.every;
-    config.deadline = std::llround(deadline * 1e6), config.ready_deadline = std::llround(ready * 1e6);
+    config.deadline = std::llround(deadline * 1e6);
+    config.ready_deadline = std::llround(ready * 1e6);
     const auto role = lab::logger::make_role(config, files, participant.publish());
     return participant.run(*role);
   });

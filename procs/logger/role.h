@@ -1,11 +1,11 @@
 #pragma once
 #include <memory>
 
-#include "wire/protocol/recorder.h"
+#include "wire/protocol/logger_role.h"
 
 namespace lab::logger {
 
 /// The recorder of a lockstep run that reads its sizes from RUN.
-std::unique_ptr<Role> make_role(RecorderConfig config, LogSink& sink, Publish publish);
+std::unique_ptr<Role> make_role(LoggerConfig config, LogSink& sink, Publish publish);
 
 }  // namespace lab::logger

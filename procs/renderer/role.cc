@@ -33,7 +33,7 @@ std::string Watcher::state() const {
 
 void Watcher::receive(Channel channel, std::span<const uint8_t> bytes, Micros) try {
   if (outcome_.ended) return;
-  silence_.progress();
+  idle_timer_.reset();
   if (channel == Channel::Run && run_ == 0) return on_run(bytes);
   if (run_ == 0 || peek_run(bytes) != run_) return;
   if (channel == Channel::RobotState)
@@ -140,12 +140,12 @@ void Watcher::read_more_of_the_log() {
 
 void Watcher::tick(Micros now) try {
   if (outcome_.ended) return;
-  silence_.look(now);
+  idle_timer_.update(now);
   wake_ = now + kRepeat;
   const bool state_missing = run_ == 0 || (next_ < wanted_.size() && !ready(wanted_[next_]));
   if (state_missing && now >= next_look_) next_look_ = now + kRepeat / 2, read_more_of_the_log();
   if (outcome_.ended || run_ == 0) {
-    if (stopping_ || silence_.total() > std::llround(settings_.ready * 1e6))
+    if (stopping_ || idle_timer_.elapsed() > std::llround(settings_.ready * 1e6))
       outcome_ = {true, stopping_ ? kOk : kNotReady,
                   stopping_ ? "" : fmt::format("no RUN from the simulator in {:g} s", settings_.ready)};
     return;
@@ -162,7 +162,7 @@ void Watcher::tick(Micros now) try {
     wake_ = now;
   } else if (last_step_ && next_ >= wanted_.size()) {
     finish();
-  } else if (stopping_ || silence_.total() > std::llround(settings_.deadline * 1e6)) {
+  } else if (stopping_ || idle_timer_.elapsed() > std::llround(settings_.deadline * 1e6)) {
     finish();  // the run broke off: what is drawn is what there is
   }
 } catch (const std::exception& error) {
@@ -177,7 +177,7 @@ void Watcher::do_next() {
   if (stage_->needs_samples() && (step % sample_gap_ == 0 || step == pictures_.back()))
     stage_->remember(moment);
   if (picture) draw(moment);
-  silence_.progress();
+  idle_timer_.reset();
 }
 
 void Watcher::draw(const Moment& moment) {
@@ -185,7 +185,7 @@ void Watcher::draw(const Moment& moment) {
   folder_->write(index, painter_->draw(moment));
   times_.push_back(moment.time);
   drawn_ = moment.step;
-  silence_.progress();
+  idle_timer_.reset();
 
   frame_t frame{};
   frame.run = run_, frame.step = moment.step;

@@ -76,7 +76,7 @@ class Watcher : public Role {
   bool stopping_ = false;
   std::unique_ptr<LogReader> log_;
   Micros wake_ = 0, next_look_ = 0;
-  Silence silence_;
+  IdleTimer idle_timer_;
 };
 
 }  // namespace lab::renderer

@@ -61,7 +61,10 @@ class Guest {
     while (!content && !interrupted) {
       const Micros now = monotonic_now();
       if (now >= until_) return false;
-      if (now >= next) next = now + kRepeat, bus_->publish(wire_name(channel, options_.prefix), message);
+      if (now >= next) {
+        next = now + kRepeat;
+        bus_->publish(wire_name(channel, options_.prefix), message);
+      }
       bus_->poll(
           std::min(next, until_) - now,
           [&](const Datagram& datagram) {
@@ -85,7 +88,10 @@ class Guest {
 /// Binds the guest to the run that is here: a reset that its answer is lost to shall not be obeyed by the next run too.
 bool bind_to_run(Guest& guest) {
   need_t need{};
-  need.run = guest.run(), need.step = kBeforeStart, need.process = kSimulator, need.sender = "lab-send";
+  need.run = guest.run();
+  need.step = kBeforeStart;
+  need.process = kSimulator;
+  need.sender = "lab-send";
   return guest.ask(Channel::Need, encode(need), [&](Channel channel, std::span<const uint8_t> bytes) {
     if (channel == Channel::Run) guest.bind(decode<run_t>(bytes).run);
     return channel == Channel::Run;
@@ -107,11 +113,15 @@ std::map<std::string, std::string> followers_of(const run_t& run) {
 /// The robot's RUN, and the reference its joints have now.
 bool learn(Guest& guest, run_t& known, std::vector<double>& current) {
   need_t need{};
-  need.run = guest.run(), need.step = kBeforeStart, need.process = kSimulator, need.sender = "lab-send";
+  need.run = guest.run();
+  need.step = kBeforeStart;
+  need.process = kSimulator;
+  need.sender = "lab-send";
   int64_t run = 0;
   return guest.ask(Channel::Need, encode(need), [&](Channel channel, std::span<const uint8_t> bytes) {
     if (channel == Channel::Run) {
-      known = decode<run_t>(bytes), run = known.run;
+      known = decode<run_t>(bytes);
+      run = known.run;
     } else if (channel == Channel::Reference && run != 0) {
       const auto message = decode<reference_t>(bytes);
       if (message.run == run) current = message.q;
@@ -122,8 +132,12 @@ bool learn(Guest& guest, run_t& known, std::vector<double>& current) {
 
 int request(Guest& guest, const Options& options, const Action& action) {
   request_t message{};
-  message.run = guest.run(), message.step = -1, message.utime = wall_now();
-  message.sender = sender(), message.id = 1, message.action = to_message(action);
+  message.run = guest.run();
+  message.step = -1;
+  message.utime = wall_now();
+  message.sender = sender();
+  message.id = 1;
+  message.action = to_message(action);
   std::optional<reply_t> reply;
   guest.ask(Channel::Request, encode(message), [&](Channel channel, std::span<const uint8_t> bytes) {
     if (channel != Channel::Reply) return false;
@@ -241,7 +255,8 @@ int run(int argc, char** argv) {
   }
   struct sigaction action{};
   action.sa_handler = [](int number) { interrupted = number; };
-  sigaction(SIGINT, &action, nullptr), sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
 
   return guarded_main("lab-send", [&] {
     try {

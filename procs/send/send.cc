@@ -43,7 +43,10 @@ Action with_duration(double duration) {
   Action action{"goal", "", "", "", {}};
   if (duration < 0 || !std::isfinite(duration))
     throw UsageError(fmt::format("--duration: {} is no time in s", duration));
-  if (duration > 0) action.key = "duration", action.text = number(duration);
+  if (duration > 0) {
+    action.key = "duration";
+    action.text = number(duration);
+  }
   return action;
 }
 

@@ -4,34 +4,34 @@
 #include "lab/run/run.h"
 #include "procs/simulator/simulator.h"
 #include "wire/process/participant.h"
-#include "wire/protocol/sequencer.h"
-#include "wire/protocol/ticker.h"
+#include "wire/protocol/lockstep_simulator.h"
+#include "wire/protocol/realtime_simulator.h"
 #include "wire/schema/codec.h"
 
 namespace lab::simulator {
 
-std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce,
-                                  Publish publish) {
+std::unique_ptr<SimulatorRole> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce,
+                                         Publish publish) {
   struct Part {
     Config config;
     State state;
   };
   const Config plant = make_config(experiment, robot.model);
   auto part = std::make_shared<Part>(Part{plant, initial(plant)});
-  const AdvanceStep advance = [part](int64_t step_number, const Command* command,
-                                     std::span<const Action> actions) {
+  const SimulateStep advance = [part](int64_t step_number, const Command* command,
+                                      std::span<const Action> actions) {
     if (step_number == 0)
-      return Advance{sensed(part->config, part->state), {}, "", safety::name(part->state.safety.mode)};
+      return StepResult{sensed(part->config, part->state), {}, "", safety::name(part->state.safety.mode)};
     Output output = step(part->config, part->state, {command, actions});
     std::string abort;
     if (output.abort)
       abort = output.events.back().what + ": " + output.events.back().who + ": " + output.events.back().why;
-    return Advance{std::move(output.state), std::move(output.events), std::move(abort),
-                   safety::name(output.mode)};
+    return StepResult{std::move(output.state), std::move(output.events), std::move(abort),
+                      safety::name(output.mode)};
   };
 
   const run_t run = make_run(experiment, robot);
-  LeaderConfig config;
+  SimulatorConfig config;
   config.run = encode(run);
   config.run_id = run.run, config.model_hash = run.model_hash, config.nonce = nonce;
   config.nq = run.nq, config.nv = run.nv;
@@ -46,11 +46,11 @@ std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& rob
     if (nonce == 0)
       config.no_reset = "this simulator has no supervisor (scripts/lab up) that would start the next run";
     config.wall_offset = wall_now() - monotonic_now();
-    return std::make_unique<Ticker>(std::move(config), advance, std::move(publish));
+    return std::make_unique<RealtimeSimulatorRole>(std::move(config), advance, std::move(publish));
   }
   config.no_reset =
       "in lockstep a run is not reset, it would only be the same again: end it and start another";
-  return std::make_unique<Sequencer>(std::move(config), advance, std::move(publish));
+  return std::make_unique<LockstepSimulatorRole>(std::move(config), advance, std::move(publish));
 }
 
 }  // namespace lab::simulator

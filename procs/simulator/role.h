@@ -3,12 +3,12 @@
 
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/robot.h"
-#include "wire/protocol/leader.h"
+#include "wire/protocol/simulator_role.h"
 
 namespace lab::simulator {
 
 /// The simulator's step as the leader of a run, by the clock that the experiment asks for. Throws ExperimentError.
-std::unique_ptr<Leader> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce,
-                                  Publish publish);
+std::unique_ptr<SimulatorRole> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce,
+                                         Publish publish);
 
 }  // namespace lab::simulator

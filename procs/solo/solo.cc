@@ -29,7 +29,7 @@ Outcome run(const Experiment& experiment, const Robot& robot, LogSink& sink,
   bus.add(*planner);
   const auto controller = controller::make_role({}, bus.publish());
   bus.add(*controller);
-  RecorderConfig recorder;
+  LoggerConfig recorder;
   recorder.every = experiment.logger.every;
   const auto logger = logger::make_role(recorder, sink, bus.publish());
   bus.add(*logger);

@@ -3,7 +3,7 @@
 
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/robot.h"
-#include "wire/protocol/recorder.h"
+#include "wire/protocol/logger_role.h"
 #include "wire/protocol/role.h"
 
 namespace lab::solo {

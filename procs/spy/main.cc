@@ -73,8 +73,9 @@ int list(const Options& options) {
     Seen& seen = channels[std::string(datagram.channel)];
     seen.type = type_name(types, datagram);
     seen.times.push_back(monotonic_now());
-    seen.bytes += static_cast<int64_t>(datagram.data.size()), seen.lost += datagram.lost_before,
-        seen.senders.insert(datagram.sender);
+    seen.bytes += static_cast<int64_t>(datagram.data.size());
+    seen.lost += datagram.lost_before;
+    seen.senders.insert(datagram.sender);
     return true;
   });
   const double span = static_cast<double>(monotonic_now() - began) * 1e-6;
@@ -86,7 +87,8 @@ int list(const Options& options) {
     Micros least = 0, most = 0;
     for (size_t i = 1; i < seen.times.size(); ++i) {
       const Micros gap = seen.times[i] - seen.times[i - 1];
-      least = i == 1 ? gap : std::min(least, gap), most = std::max(most, gap);
+      least = i == 1 ? gap : std::min(least, gap);
+      most = std::max(most, gap);
     }
     const auto n = static_cast<double>(seen.times.size());
     const double hz = seen.times.size() > 1
@@ -259,10 +261,12 @@ int run(int argc, char** argv) {
   };
   CLI::App* list_verb =
       app.add_subcommand("list", "Lists the channels: type, count, rate, bytes, periods, senders, losses.");
-  span(list_verb), list_verb->footer("example: lab-spy list --for 2");
+  span(list_verb);
+  list_verb->footer("example: lab-spy list --for 2");
   CLI::App* hz_verb = app.add_subcommand("hz", "The same for some channels.");
   hz_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'");
-  span(hz_verb), hz_verb->footer("example: lab-spy hz COMMAND");
+  span(hz_verb);
+  hz_verb->footer("example: lab-spy hz COMMAND");
   CLI::App* echo_verb = app.add_subcommand("echo", "Prints messages.");
   echo_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'")->required();
   echo_verb->add_flag("--once", options.once, "one message, then end");
@@ -274,7 +278,8 @@ int run(int argc, char** argv) {
   echo_verb->footer("example: lab-spy echo ROBOT_STATE --field q[0] -n 10");
   CLI::App* who_verb =
       app.add_subcommand("who", "Lists the processes that are alive, by their PROCESS messages.");
-  span(who_verb), who_verb->footer("example: lab-spy who --for 0.3");
+  span(who_verb);
+  who_verb->footer("example: lab-spy who --for 0.3");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

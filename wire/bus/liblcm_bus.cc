@@ -14,7 +14,7 @@
 namespace lab {
 namespace {
 
-constexpr int kMostPerPoll = 1024;
+constexpr int kMaxPerPoll = 1024;
 
 // A channel name as a regular expression that matches only it.
 std::string literal(const std::string& name) {
@@ -65,7 +65,7 @@ class LiblcmBus : public Bus {
     }
     handler_ = &handler;
     handled_ = 0;
-    for (int i = 0; i < kMostPerPoll && !thrown_ && lcm_handle_timeout(lcm_, 0) > 0; ++i) {
+    for (int i = 0; i < kMaxPerPoll && !thrown_ && lcm_handle_timeout(lcm_, 0) > 0; ++i) {
     }
     handler_ = nullptr;
     if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));

@@ -67,7 +67,7 @@ Assembly& Assembler::open(uint64_t sender, const Packet& packet) {
     close(oldest(true));
     ++abandoned_;
   }
-  while (!half_done_.empty() && (half_done_.size() >= kInAll || bytes_ + packet.size > kMostBytes)) {
+  while (!half_done_.empty() && (half_done_.size() >= kInAll || bytes_ + packet.size > kMaxBytes)) {
     close(oldest(false));
     ++abandoned_;
   }

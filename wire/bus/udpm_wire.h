@@ -16,8 +16,8 @@ inline constexpr uint32_t kShort = 0x4c433032;
 inline constexpr uint32_t kFragment = 0x4c433033;
 inline constexpr size_t kShortHeader = 8;
 inline constexpr size_t kFragmentHeader = 20;
-inline constexpr size_t kMostShort = 65499;     ///< channel, NUL and data of a short message
-inline constexpr size_t kMostFragment = 65487;  ///< channel, NUL and data of one fragment
+inline constexpr size_t kMaxShort = 65499;     ///< channel, NUL and data of a short message
+inline constexpr size_t kMaxFragment = 65487;  ///< channel, NUL and data of one fragment
 inline constexpr size_t kMaxPacket = 65536;
 
 /// One received packet in parts.
@@ -55,7 +55,7 @@ class Assembler {
 
   static constexpr size_t kPerSender = 2;
   static constexpr size_t kInAll = 64;
-  static constexpr uint64_t kMostBytes = 256 << 20;
+  static constexpr uint64_t kMaxBytes = 256 << 20;
 
   enum class Result { More, Whole, Bad };
   /// Adds one fragment. Whole: the message is in whole() until the next call. Bad: it contradicts itself or

@@ -123,7 +123,8 @@ void Participant::receive(Role& role, const Datagram& datagram) {
   ++received_;
   role.receive(*channel, datagram.data, monotonic_now());
   if (role.run() != incoming_.run()) {
-    incoming_.set_run(role.run()), incoming_.set_sizes(role.nq(), role.nv());
+    incoming_.set_run(role.run());
+    incoming_.set_sizes(role.nq(), role.nv());
     outgoing_.set_sizes(role.nq(), role.nv());
   }
 }
@@ -137,7 +138,10 @@ int Participant::run(Role& role) {
     return exit_code;
   };
   try {
-    if (role.run() != 0) incoming_.set_run(role.run()), incoming_.set_sizes(role.nq(), role.nv());
+    if (role.run() != 0) {
+      incoming_.set_run(role.run());
+      incoming_.set_sizes(role.nq(), role.nv());
+    }
     while (!role.outcome().ended) {
       const Micros before = monotonic_now();
       const Micros wake = role.lateness() ? role.wake() - kEarly : role.wake();
@@ -150,19 +154,26 @@ int Participant::run(Role& role) {
             receive(role, datagram);
           },
           role.batch());
-      if (interrupted && !stopping) stopping = true, role.stop(monotonic_now());
+      if (interrupted && !stopping) {
+        stopping = true;
+        role.stop(monotonic_now());
+      }
       const Micros now = monotonic_now();
       role.tick(now);
-      if (role.urgency() > 0 && !urgent) urgent = true, go_realtime(options_.name, role.urgency());
+      if (role.urgency() > 0 && !urgent) {
+        urgent = true;
+        go_realtime(options_.name, role.urgency());
+      }
       if (woken) note_loop(now - woken);
       if (now >= next_process || role.state() != said) {
-        said = role.state(), next_process = now + kRepeat;
-        say_process(role, said);
+        said = role.state();
+        next_process = now + kRepeat;
+        publish_process(role, said);
       }
     }
-    say_process(role, role.outcome().exit_code == kOk ? "STOPPING" : "FAULT");
+    publish_process(role, role.outcome().exit_code == kOk ? "STOPPING" : "FAULT");
   } catch (const PublishRefused& refused) {
-    say_process(role, "FAULT");
+    publish_process(role, "FAULT");
     return finish(kSafety, fmt::format("refused to send: {}", refused.what()));
   }
   return finish(role.outcome().exit_code, role.outcome().reason);
@@ -173,19 +184,29 @@ void Participant::note_loop(Micros us) {
   ++loop_counts_[static_cast<size_t>(loop_bin(us))];
 }
 
-void Participant::say_process(Role& role, const std::string& state) {
+void Participant::publish_process(Role& role, const std::string& state) {
   const BusCounters bus = bus_->counters();
   process_t process{};
-  process.utime = wall_now(), process.run = role.run(), process.step = role.step();
-  process.name = options_.name, process.pid = host_pid(), process.state = state;
-  process.nonce = nonce_, process.model_hash = role.model_hash();
-  process.received = received_, process.lost = bus.lost, process.late = role.late();
-  process.rejected = rejected_, process.foreign = foreign_, process.last_rejected = last_rejected_;
+  process.utime = wall_now();
+  process.run = role.run();
+  process.step = role.step();
+  process.name = options_.name;
+  process.pid = host_pid();
+  process.state = state;
+  process.nonce = nonce_;
+  process.model_hash = role.model_hash();
+  process.received = received_;
+  process.lost = bus.lost;
+  process.late = role.late();
+  process.rejected = rejected_;
+  process.foreign = foreign_;
+  process.last_rejected = last_rejected_;
   std::vector<float> loops(loops_.begin(),
                            loops_.begin() + static_cast<std::ptrdiff_t>(std::min(next_loop_, loops_.size())));
   if (!loops.empty()) {
     std::sort(loops.begin(), loops.end());
-    process.loop_p50 = loops[loops.size() / 2], process.loop_p99 = loops[loops.size() * 99 / 100],
+    process.loop_p50 = loops[loops.size() / 2];
+    process.loop_p99 = loops[loops.size() * 99 / 100];
     process.loop_max = loops.back();
   }
   const auto last = std::find_if(loop_counts_.rbegin(), loop_counts_.rend(), [](int64_t n) { return n > 0; });
@@ -193,7 +214,7 @@ void Participant::say_process(Role& role, const std::string& state) {
   process.nloops = static_cast<int32_t>(process.loops.size());
   if (const Lateness* late = role.lateness()) {
     process.overruns = role.overruns();
-    process.lateness_p50 = static_cast<float>(late->quantile(0.5)),
+    process.lateness_p50 = static_cast<float>(late->quantile(0.5));
     process.lateness_p99 = static_cast<float>(late->quantile(0.99));
     process.lateness_max = static_cast<float>(late->longest());
   }

@@ -32,7 +32,7 @@ class Participant {
 
  private:
   void receive(Role& role, const Datagram& datagram);
-  void say_process(Role& role, const std::string& state);
+  void publish_process(Role& role, const std::string& state);
   void note_loop(Micros us);
 
   ParticipantOptions options_;

@@ -15,25 +15,26 @@
 
 namespace lab {
 
-Follower::Follower(std::string name, Channel answer, FollowerConfig config, BeginRun begin, Publish publish)
+FollowerRole::FollowerRole(std::string name, Channel answer, FollowerConfig config, BeginRun begin,
+                           Publish publish)
     : name_(std::move(name)),
       answer_channel_(answer),
       config_(std::move(config)),
       begin_(std::move(begin)),
       publish_(std::move(publish)) {}
 
-std::string Follower::state() const {
+std::string FollowerRole::state() const {
   if (outcome_.exit_code != kOk) return "FAULT";
   if (run_ == 0 || folding_) return "STARTING";
   if (setup_.realtime && next_ > 0 && idle_) return "HOLDING";
   return next_ == 0 ? "READY" : "RUNNING";
 }
 
-int64_t Follower::utime(int64_t step) const { return step_utime(step, setup_.dt); }
+int64_t FollowerRole::utime(int64_t step) const { return step_utime(step, setup_.dt); }
 
-void Follower::fail(int exit_code, const std::string& reason) { outcome_ = {true, exit_code, reason}; }
+void FollowerRole::fail(int exit_code, const std::string& reason) { outcome_ = {true, exit_code, reason}; }
 
-void Follower::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) {
+void FollowerRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) {
   if (outcome_.ended) return;
   if (setup_.realtime) return receive_in_real_time(channel, bytes, now);
   switch (channel) {
@@ -58,7 +59,7 @@ void Follower::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
       break;
     }
     case Channel::Process:
-      if (decode<process_t>(bytes).name == kSimulator) silence_.progress();
+      if (decode<process_t>(bytes).name == kSimulator) idle_timer_.reset();
       break;
     case Channel::End:
       outcome_.ended = run_ != 0;
@@ -68,7 +69,7 @@ void Follower::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
   }
 }
 
-void Follower::on_run(std::span<const uint8_t> bytes, Micros now) {
+void FollowerRole::on_run(std::span<const uint8_t> bytes, Micros now) {
   const auto message = decode<run_t>(bytes);
   try {
     setup_ = begin_(message);
@@ -77,7 +78,7 @@ void Follower::on_run(std::span<const uint8_t> bytes, Micros now) {
   }
   run_ = message.run;
   answers_.resize(std::max(setup_.lead, setup_.every) + 2);
-  patience_.reset(now);
+  retry_timer_.reset(now);
   folding_ = static_cast<bool>(config_.read_log) && !setup_.realtime;
   if (!setup_.realtime)
     begin();
@@ -94,8 +95,8 @@ void Follower::on_run(std::span<const uint8_t> bytes, Micros now) {
   }
 }
 
-void Follower::file(Channel channel, std::span<const uint8_t> bytes, Micros now) {
-  silence_.progress();
+void FollowerRole::file(Channel channel, std::span<const uint8_t> bytes, Micros now) {
+  idle_timer_.reset();
   if (channel == Channel::Input) {
     const auto input = decode<input_t>(bytes);
     if (input.input_seq > input_seq_) inputs_.try_emplace(input.input_seq, bytes.begin(), bytes.end());
@@ -107,17 +108,20 @@ void Follower::file(Channel channel, std::span<const uint8_t> bytes, Micros now)
     return;
   }
   ring_.at(step).file(channel, bytes, false);
-  const bool gap = channel == Channel::RobotState && step > next_ && hurried_ != next_;
-  if (gap) hurried_ = next_, patience_.hurry(now);
+  const bool gap = channel == Channel::RobotState && step > next_ && gap_at_ != next_;
+  if (gap) {
+    gap_at_ = next_;
+    retry_timer_.trigger(now);
+  }
 }
 
-bool Follower::inputs_complete_to(int64_t seq) const {
+bool FollowerRole::inputs_complete_to(int64_t seq) const {
   for (int64_t i = input_seq_ + 1; i <= seq; ++i)
     if (!inputs_.contains(i)) return false;
   return true;
 }
 
-void Follower::handle_while_possible(Micros now) {
+void FollowerRole::handle_while_possible(Micros now) {
   while (!outcome_.ended) {
     const StepRecord* record = ring_.find(next_);
     if (!record || record->state.empty() || !can_handle(*record)) return;
@@ -126,11 +130,11 @@ void Follower::handle_while_possible(Micros now) {
     const std::vector<Action> actions = take_inputs_to(state_.input_seq);
     ++next_;
     handle(state_, *record, actions);
-    patience_.reset(now);
+    retry_timer_.reset(now);
   }
 }
 
-std::vector<Action> Follower::take_inputs_to(int64_t seq) {
+std::vector<Action> FollowerRole::take_inputs_to(int64_t seq) {
   std::vector<Action> actions;
   while (input_seq_ < seq) {
     const auto node = inputs_.extract(++input_seq_);
@@ -141,10 +145,10 @@ std::vector<Action> Follower::take_inputs_to(int64_t seq) {
 
 // ---- real time: the newest state counts, nothing is made up for ----------------------------------------------
 
-void Follower::receive_in_real_time(Channel channel, std::span<const uint8_t> bytes, Micros now) {
+void FollowerRole::receive_in_real_time(Channel channel, std::span<const uint8_t> bytes, Micros now) {
   switch (channel) {
     case Channel::RobotState:
-      silence_.progress();
+      idle_timer_.reset();
       if (const int64_t step = peek_step(bytes); step < next_)
         ++late_;
       else if (newest_.empty() || step > peek_step(newest_))
@@ -154,8 +158,10 @@ void Follower::receive_in_real_time(Channel channel, std::span<const uint8_t> by
       file(channel, bytes, now);
       break;
     case Channel::Process:
-      if (const auto process = decode<process_t>(bytes); process.name == kSimulator)
-        held_ = process.state != "RUNNING", silence_.progress();
+      if (const auto process = decode<process_t>(bytes); process.name == kSimulator) {
+        held_ = process.state != "RUNNING";
+        idle_timer_.reset();
+      }
       break;
     case Channel::End:
       outcome_.ended = true;
@@ -165,7 +171,7 @@ void Follower::receive_in_real_time(Channel channel, std::span<const uint8_t> by
   }
 }
 
-void Follower::answer_in_real_time(Micros now) {
+void FollowerRole::answer_in_real_time(Micros now) {
   if (newest_.empty()) {
     if (now - answered_at_ > std::llround(static_cast<double>(setup_.timeout) * setup_.dt * 1e6))
       idle_ = true;
@@ -173,50 +179,53 @@ void Follower::answer_in_real_time(Micros now) {
   }
   decode(newest_, state_);
   if (!inputs_complete_to(state_.input_seq)) {
-    if (patience_.expired(now)) ask(state_.step - 2 * kWindow);
+    if (retry_timer_.expired(now)) ask(state_.step - 2 * kWindow);
     return;
   }
   newest_.clear();
   idle_ = !answer_newest(state_, take_inputs_to(state_.input_seq), held_);
   next_ = state_.step + 1;
   answered_at_ = now;
-  patience_.reset(now);
+  retry_timer_.reset(now);
 }
 
-void Follower::give(int64_t step, std::vector<Bytes> events, Bytes main) {
+void FollowerRole::give(int64_t step, std::vector<Bytes> events, Bytes main) {
   Answer& kept = answers_[step % answers_.size()];
   kept = {step, std::move(events), std::move(main), 0};
   if (!folding_) publish(kept);
 }
 
-std::vector<Bytes> Follower::encoded(const std::vector<Event>& events, int64_t step, int64_t at) const {
+std::vector<Bytes> FollowerRole::encoded(const std::vector<Event>& events, int64_t step, int64_t at) const {
   std::vector<Bytes> out;
   for (size_t i = 0; i < events.size(); ++i)
     out.push_back(encode(to_message(events[i], name_, step, at, run_, static_cast<int64_t>(i))));
   return out;
 }
 
-void Follower::publish(const Answer& answer) {
+void FollowerRole::publish(const Answer& answer) {
   for (const Bytes& event : answer.events) publish_(Channel::Event, event);
   publish_(answer_channel_, answer.main);
 }
 
-void Follower::ask(int64_t step) {
+void FollowerRole::ask(int64_t step) {
   need_t need{};
-  need.run = run_, need.step = step, need.process = kSimulator, need.sender = name_;
+  need.run = run_;
+  need.step = step;
+  need.process = kSimulator;
+  need.sender = name_;
   publish_(Channel::Need, encode(need));
 }
 
-void Follower::tick(Micros now) {
+void FollowerRole::tick(Micros now) {
   if (outcome_.ended) return;
-  silence_.look(now);
+  idle_timer_.update(now);
   if (setup_.realtime)
     answer_in_real_time(now);
-  else if (patience_.expired(now))
+  else if (retry_timer_.expired(now))
     ask(run_ == 0 ? kBeforeStart : next_);
-  if (run_ == 0 && silence_.total() > config_.ready_deadline)
+  if (run_ == 0 && idle_timer_.elapsed() > config_.ready_deadline)
     fail(kNotReady, fmt::format("no RUN from the simulator in {:g} s", config_.ready_deadline * 1e-6));
-  else if (run_ != 0 && silence_.total() > config_.deadline)
+  else if (run_ != 0 && idle_timer_.elapsed() > config_.deadline)
     fail(kTransport, fmt::format("nothing from the simulator in {:g} s after step {}",
                                  config_.deadline * 1e-6, next_ - 1));
 }
@@ -247,7 +256,9 @@ void PlannerRole::give_reference(int64_t step, int64_t at, const PlanInput& inpu
   const Reference reference = plan_(step, input, events);
   reference_t message{};
   to_message(reference, message);
-  message.utime = at, message.run = run_, message.step = step;
+  message.utime = at;
+  message.run = run_;
+  message.step = step;
   message.extras = static_cast<int32_t>(events.size());
   give(step, encoded(events, step, at), encode(message));
 }
@@ -292,8 +303,11 @@ void ControllerRole::give_command(const robot_state_t& state, std::span<const Ac
 
   command_t message{};
   to_message(command, message);
-  message.utime = state.utime, message.run = run_, message.step = state.step;
-  message.state_step = state.step, message.reference_step = reference_.step;
+  message.utime = state.utime;
+  message.run = run_;
+  message.step = state.step;
+  message.state_step = state.step;
+  message.reference_step = reference_.step;
   message.input_seq = state.input_seq;
   message.extras = static_cast<int32_t>(events.size());
   give(state.step, encoded(events, state.step, state.utime), encode(message));

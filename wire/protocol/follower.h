@@ -34,13 +34,13 @@ struct FollowerConfig {
 
 /// What the planner and the controller have in common: they take ROBOT_STATE in the order of steps, each with every
 /// INPUT up to its input_seq, give one message per step, and keep what they gave as long as it may be asked for.
-class Follower : public Role {
+class FollowerRole : public Role {
  public:
-  Follower(std::string name, Channel answer, FollowerConfig config, BeginRun begin, Publish publish);
+  FollowerRole(std::string name, Channel answer, FollowerConfig config, BeginRun begin, Publish publish);
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
-  Micros wake() const override { return setup_.realtime && newest_.empty() ? INT64_MAX : patience_.due(); }
+  Micros wake() const override { return setup_.realtime && newest_.empty() ? INT64_MAX : retry_timer_.due(); }
   Micros batch() const override { return setup_.realtime ? kNoSpin : 0; }
   int urgency() const override { return setup_.realtime ? 2 : 0; }
   void stop(Micros) override { outcome_.ended = true; }
@@ -104,7 +104,7 @@ class Follower : public Role {
 
   int64_t next_ = 0;       ///< the step to handle next
   int64_t input_seq_ = 0;  ///< last INPUT applied
-  int64_t hurried_ = -1;   ///< the step for which a gap has already been noticed
+  int64_t gap_at_ = -1;    ///< the step for which a gap has already been noticed
   bool folding_ = false;   ///< catching up from the log: answers are kept, not published
   StepRing ring_{2 * kWindow};
   std::map<int64_t, Bytes> inputs_;  ///< by number, not yet applied
@@ -114,8 +114,8 @@ class Follower : public Role {
   Micros answered_at_ = 0;
   bool held_ = true;  ///< real time: the simulator is not RUNNING, by its PROCESS
   bool idle_ = true;  ///< real time: the newest state could not be answered, or none has come for long
-  Patience patience_;
-  Silence silence_;
+  RetryTimer retry_timer_;
+  IdleTimer idle_timer_;
 };
 
 /// What a reference is made from.
@@ -131,10 +131,10 @@ using ControlStep = std::function<Command(const RobotState& state, const Referen
                                           std::span<const Action> actions, std::vector<Event>& events)>;
 
 /// REFERENCE 0..lead-1 on RUN, then REFERENCE k + lead on ROBOT_STATE k.
-class PlannerRole : public Follower {
+class PlannerRole : public FollowerRole {
  public:
   PlannerRole(FollowerConfig config, BeginRun begin, PlanStep plan, Publish publish)
-      : Follower(kPlanner, Channel::Reference, std::move(config), std::move(begin), std::move(publish)),
+      : FollowerRole(kPlanner, Channel::Reference, std::move(config), std::move(begin), std::move(publish)),
         plan_(std::move(plan)) {}
 
   /// References far ahead leave time to make several at once.
@@ -150,10 +150,10 @@ class PlannerRole : public Follower {
 };
 
 /// COMMAND k from ROBOT_STATE k and REFERENCE k, at every step that `every` divides.
-class ControllerRole : public Follower {
+class ControllerRole : public FollowerRole {
  public:
   ControllerRole(FollowerConfig config, BeginRun begin, ControlStep control, Publish publish)
-      : Follower(kController, Channel::Command, std::move(config), std::move(begin), std::move(publish)),
+      : FollowerRole(kController, Channel::Command, std::move(config), std::move(begin), std::move(publish)),
         control_(std::move(control)) {}
 
  private:

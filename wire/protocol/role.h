@@ -1,5 +1,7 @@
+// The interface of a role: one participant of a run. A role is a state machine: it is handed accepted messages and the
+// time, and publishes through a function. It owns no socket, file or clock, so that the same object runs as a process,
+// in lab-solo and on the lossy bus of the unit tests. Rules: docs/architecture.md, "Lockstep".
 #pragma once
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -7,24 +9,17 @@
 #include <vector>
 
 #include "core/util/exit_code.h"
+#include "wire/protocol/timers.h"
 #include "wire/schema/channels.h"
 
-/// What every participant of a lockstep run has in common. A role is a state machine: it is handed accepted
-/// messages and the time, and publishes through a function; it owns no socket, file or clock, so that the same
-/// object runs as a process, in lab-solo and under the lossy bus of the unit tests.
-/// The rules are those of docs/architecture.md, "Lockstep".
 namespace lab {
 
 using Bytes = std::vector<uint8_t>;
-using Micros = int64_t;  ///< us of some monotonic clock that the caller chooses
 using Publish = std::function<void(Channel, std::span<const uint8_t>)>;
 
-inline constexpr int64_t kWindow = 256;          ///< W: steps that a listener may be behind
-inline constexpr Micros kFirstWait = 1'000;      ///< T: wait before the first NEED
-inline constexpr Micros kLongestWait = 100'000;  ///< T doubles up to this
-inline constexpr Micros kNoSpin = -1;            ///< Bus::poll: sleep at once
-inline constexpr Micros kRepeat = 100'000;       ///< period of ACK, END and PROCESS
-/// The names under which the four act in the protocol; a foreign controller takes the name too.
+inline constexpr int64_t kWindow = 256;  ///< W: steps that a listener may be behind
+inline constexpr Micros kNoSpin = -1;    ///< Bus::poll: sleep at once
+/// Process names in the protocol; a foreign controller uses the name of the lab's.
 inline constexpr const char* kSimulator = "simulator";
 inline constexpr const char* kPlanner = "planner";
 inline constexpr const char* kController = "controller";
@@ -39,7 +34,7 @@ struct Outcome {
   std::string reason;  ///< one line; empty when all is well
 };
 
-/// Why the guard turned a message down, with as much of its header as could be read.
+/// Why the guard refused a message, with as much of its header as could be read.
 struct Refusal {
   Channel channel;
   int64_t step;
@@ -54,12 +49,12 @@ class Role {
   virtual ~Role() = default;
   /// Takes a message that the guard accepted, of this run or of run 0.
   virtual void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) = 0;
-  /// Learns of a message that the guard refused.
+  /// Takes note of a message that the guard refused.
   virtual void refused(const Refusal&, Micros) {}
-  /// Does what time asks for. Call it after the waiting messages were received, at wake() and every kRepeat at least.
+  /// Does what is due. Call it after the waiting messages were received, at wake(), and at least every kRepeat.
   virtual void tick(Micros now) = 0;
   virtual Micros wake() const = 0;
-  /// How late it may look at what has arrived, as Bus::poll takes it: a role in no hurry is woken once for many.
+  /// us that received messages may wait, as Bus::poll takes it: then one wake-up serves many messages.
   virtual Micros batch() const { return 0; }
   /// Real time: 0 for ordinary scheduling, else a rank among the lab's processes, higher first.
   virtual int urgency() const { return 0; }
@@ -79,38 +74,6 @@ class Role {
 
  protected:
   int64_t late_ = 0;  ///< messages for steps already closed
-};
-
-/// When to ask again: T, doubling while nothing comes, back to T on progress.
-class Patience {
- public:
-  void reset(Micros now) { wait_ = kFirstWait, due_ = now + wait_; }
-  void hurry(Micros now) { due_ = now; }
-  Micros due() const { return due_; }
-  bool expired(Micros now) {
-    if (now < due_) return false;
-    due_ = now + wait_;
-    wait_ = std::min(2 * wait_, kLongestWait);
-    return true;
-  }
-
- private:
-  Micros wait_ = kFirstWait, due_ = 0;
-};
-
-/// How long nothing has happened, as seen by a process that may itself have been stopped meanwhile:
-/// of any gap between two looks only a little is counted.
-class Silence {
- public:
-  void progress() { total_ = 0; }
-  void look(Micros now) {
-    if (last_ >= 0) total_ += std::min(now - last_, 2 * kRepeat);
-    last_ = now;
-  }
-  Micros total() const { return total_; }
-
- private:
-  Micros total_ = 0, last_ = -1;
 };
 
 }  // namespace lab

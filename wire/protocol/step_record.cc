@@ -33,7 +33,9 @@ int32_t peek_extras(std::span<const uint8_t> main_message) {
 void StepRecord::clear(int64_t new_step) {
   step = new_step;
   inputs.clear();
-  state.clear(), reference.clear(), command.clear();
+  state.clear();
+  reference.clear();
+  command.clear();
   events.clear();
 }
 

@@ -28,34 +28,34 @@ enum class Channel : uint8_t {
 inline constexpr int kChannels = 14;
 
 /// Which file of a run's folder keeps the channel.
-enum class Kept : uint8_t { Neither, Log, Telemetry };
+enum class LogFile : uint8_t { None, Log, Telemetry };
 
 struct ChannelRow {
   Channel id;
   std::string_view name;  ///< on the wire, without prefix
   std::string_view type;  ///< package and struct of the message
   uint32_t max_bytes;     ///< of an encoded message
-  Kept kept;
+  LogFile log_file;
   bool any_run;               ///< run 0 = "whoever is here" is accepted
   std::string_view nq_field;  ///< field that must equal the robot's nq; empty = no rule
   std::string_view nv_field;  ///< the same for nv
 };
 
 inline constexpr std::array<ChannelRow, kChannels> kChannelTable{{
-    {Channel::Run, "RUN", "lab.run_t", 16 << 20, Kept::Log, false, "", ""},
-    {Channel::Type, "TYPE", "lab.type_t", 256 << 10, Kept::Log, false, "", ""},
-    {Channel::RobotState, "ROBOT_STATE", "lab.robot_state_t", 64 << 10, Kept::Log, false, "nq", "nv"},
-    {Channel::Reference, "REFERENCE", "lab.reference_t", 64 << 10, Kept::Log, false, "nq", "nv"},
-    {Channel::Command, "COMMAND", "lab.command_t", 64 << 10, Kept::Log, false, "", "nv"},
-    {Channel::Request, "REQUEST", "lab.request_t", 64 << 10, Kept::Neither, true, "", ""},
-    {Channel::Reply, "REPLY", "lab.reply_t", 16 << 10, Kept::Neither, false, "", ""},
-    {Channel::Input, "INPUT", "lab.input_t", 64 << 10, Kept::Log, false, "", ""},
-    {Channel::Event, "EVENT", "lab.event_t", 16 << 10, Kept::Log, false, "", ""},
-    {Channel::End, "END", "lab.end_t", 16 << 10, Kept::Log, false, "", ""},
-    {Channel::Ack, "ACK", "lab.ack_t", 4 << 10, Kept::Neither, false, "", ""},
-    {Channel::Need, "NEED", "lab.need_t", 4 << 10, Kept::Neither, true, "", ""},
-    {Channel::Process, "PROCESS", "lab.process_t", 16 << 10, Kept::Telemetry, true, "", ""},
-    {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, Kept::Telemetry, false, "", ""},
+    {Channel::Run, "RUN", "lab.run_t", 16 << 20, LogFile::Log, false, "", ""},
+    {Channel::Type, "TYPE", "lab.type_t", 256 << 10, LogFile::Log, false, "", ""},
+    {Channel::RobotState, "ROBOT_STATE", "lab.robot_state_t", 64 << 10, LogFile::Log, false, "nq", "nv"},
+    {Channel::Reference, "REFERENCE", "lab.reference_t", 64 << 10, LogFile::Log, false, "nq", "nv"},
+    {Channel::Command, "COMMAND", "lab.command_t", 64 << 10, LogFile::Log, false, "", "nv"},
+    {Channel::Request, "REQUEST", "lab.request_t", 64 << 10, LogFile::None, true, "", ""},
+    {Channel::Reply, "REPLY", "lab.reply_t", 16 << 10, LogFile::None, false, "", ""},
+    {Channel::Input, "INPUT", "lab.input_t", 64 << 10, LogFile::Log, false, "", ""},
+    {Channel::Event, "EVENT", "lab.event_t", 16 << 10, LogFile::Log, false, "", ""},
+    {Channel::End, "END", "lab.end_t", 16 << 10, LogFile::Log, false, "", ""},
+    {Channel::Ack, "ACK", "lab.ack_t", 4 << 10, LogFile::None, false, "", ""},
+    {Channel::Need, "NEED", "lab.need_t", 4 << 10, LogFile::None, true, "", ""},
+    {Channel::Process, "PROCESS", "lab.process_t", 16 << 10, LogFile::Telemetry, true, "", ""},
+    {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, LogFile::Telemetry, false, "", ""},
 }};
 
 constexpr const ChannelRow& row(Channel channel) { return kChannelTable[static_cast<size_t>(channel)]; }

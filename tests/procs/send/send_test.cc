@@ -95,12 +95,14 @@ TEST(Send, PayloadIsMassThenPlace) {
 
 TEST(Send, WhatCameOfIt) {
   reply_t reply{};
-  reply.ok = true, reply.step = 12;
+  reply.ok = true;
+  reply.step = 12;
   EXPECT_EQ(told(plain("estop"), reply), "estop accepted, from step 12");
   EXPECT_EQ(told(plain("pause"), reply), "paused before step 12");
   EXPECT_EQ(told(steps(5), reply), "5 steps from step 12");
   EXPECT_EQ(refusal([] { steps(0); }), "step: 0 is not a count");
-  reply.ok = false, reply.reason = "the run is ending";
+  reply.ok = false;
+  reply.reason = "the run is ending";
   EXPECT_EQ(told(plain("estop"), reply), "estop refused: the run is ending");
 }
 

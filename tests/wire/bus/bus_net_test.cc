@@ -80,9 +80,9 @@ TEST_P(Conformance, SizesAcrossEveryBoundary) {
   const size_t name = std::string("BIG").size() + 1;
   uint32_t seed = 0;
   for (const size_t n : {size_t{0}, size_t{1}, size_t{100}, size_t{1400}, size_t{60'000},
-                         udpm::kMostShort - name, udpm::kMostShort - name + 1, udpm::kMostFragment - name,
-                         udpm::kMostFragment - name + 1, 2 * udpm::kMostFragment - name,
-                         2 * udpm::kMostFragment - name + 1, size_t{200'000}, size_t{1'000'000}}) {
+                         udpm::kMaxShort - name, udpm::kMaxShort - name + 1, udpm::kMaxFragment - name,
+                         udpm::kMaxFragment - name + 1, 2 * udpm::kMaxFragment - name,
+                         2 * udpm::kMaxFragment - name + 1, size_t{200'000}, size_t{1'000'000}}) {
     if (n > 100'000 && to->describe().find("raise net.core.rmem_max") != std::string::npos)
       continue;  // cannot hold it
     const Bytes data = noise(n, ++seed);

@@ -38,7 +38,7 @@ std::vector<Logged> log_by_hand(const run_t& run) {
     StepRecord record;
     record.step = step;
     const bool fresh = step > 0 && (step - 1) % setup.every == 0;
-    const Advance advance = simulator(step, fresh ? &command : nullptr, {});
+    const StepResult advance = simulator(step, fresh ? &command : nullptr, {});
     const auto add_events = [&](const std::vector<Event>& events, const char* process) {
       for (size_t i = 0; i < events.size(); ++i)
         record.file(Channel::Event,
@@ -47,33 +47,44 @@ std::vector<Logged> log_by_hand(const run_t& run) {
                     true);
     };
     const auto head = [&](auto& message, const std::vector<Event>& events) {
-      message.utime = step_utime(step, setup.dt), message.run = run.run, message.step = step;
+      message.utime = step_utime(step, setup.dt);
+      message.run = run.run;
+      message.step = step;
       message.extras = static_cast<int32_t>(events.size());
     };
     robot_state_t state{};
-    to_message(advance.state, state), head(state, advance.events);
-    state.digest = digest, state.command_step = step ? (step - 1) / setup.every * setup.every : -1;
-    record.state = encode(state), add_events(advance.events, kSimulator);
+    to_message(advance.state, state);
+    head(state, advance.events);
+    state.digest = digest;
+    state.command_step = step ? (step - 1) / setup.every * setup.every : -1;
+    record.state = encode(state);
+    add_events(advance.events, kSimulator);
 
     std::vector<Event> events;
     const Reference reference = planner(step, {}, events);
     reference_t wanted{};
-    to_message(reference, wanted), head(wanted, events);
-    record.reference = encode(wanted), add_events(events, kPlanner);
+    to_message(reference, wanted);
+    head(wanted, events);
+    record.reference = encode(wanted);
+    add_events(events, kPlanner);
 
     if (step % setup.every == 0) {
       events.clear();
       command = controller(advance.state, reference, {}, events);
       command_t effort{};
-      to_message(command, effort), head(effort, events);
+      to_message(command, effort);
+      head(effort, events);
       effort.state_step = effort.reference_step = step;
-      record.command = encode(effort), add_events(events, kController);
+      record.command = encode(effort);
+      add_events(events, kController);
     }
     digest = record.digest();
     record.in_order([&](Channel channel, const Bytes& bytes) { log.push_back({channel, bytes}); });
   }
   end_t end{};
-  end.run = run.run, end.step = setup.last_step, end.utime = step_utime(end.step, setup.dt),
+  end.run = run.run;
+  end.step = setup.last_step;
+  end.utime = step_utime(end.step, setup.dt);
   end.digest = digest;
   log.push_back({Channel::End, encode(end)});
   return log;
@@ -136,8 +147,10 @@ TEST(Lockstep, ALogWithInputsExplainsItself) {
       if (entry.channel == Channel::Run || entry.channel == Channel::End) continue;
       const int64_t step = peek_step(entry.bytes);
       records[step].file(entry.channel, entry.bytes, true);
-      if (entry.channel == Channel::Input)
-        actions[step].push_back(to_signal(decode<input_t>(entry.bytes).action)), ++inputs;
+      if (entry.channel == Channel::Input) {
+        actions[step].push_back(to_signal(decode<input_t>(entry.bytes).action));
+        ++inputs;
+      }
     }
     ToySimulator simulator;
     ToyPlanner planner;
@@ -149,7 +162,7 @@ TEST(Lockstep, ALogWithInputsExplainsItself) {
     std::vector<Action> pending;
     for (auto& [step, record] : records) {
       const bool fresh = step > 0 && (step - 1) % setup.every == 0;
-      const Advance advance = simulator(step, fresh ? &command : nullptr, actions[step]);
+      const StepResult advance = simulator(step, fresh ? &command : nullptr, actions[step]);
       const auto state = to_signal(decode<robot_state_t>(record.state));
       ASSERT_EQ(state.q, advance.state.q) << "seed " << seed << " step " << step;
       if (step + setup.lead <= setup.last_step)
@@ -203,45 +216,59 @@ TEST(Lockstep, AProcessThatNeverComesIsNamed) {
   EXPECT_EQ(world.outcome(kSimulator).reason, "not ready in 10 s: controller (never heard)");
 }
 
-/// A sequencer alone, with answers made by hand.
+/// A simulator alone, with answers made by hand.
 struct Bench {
   std::vector<std::pair<Channel, Bytes>> sent;
-  LeaderConfig config;
-  std::unique_ptr<Sequencer> sequencer;
+  SimulatorConfig config;
+  std::unique_ptr<LockstepSimulatorRole> simulator;
   Bench() {
     run_t run{};
     run.run = 1;
-    config.run = encode(run), config.run_id = 1, config.model_hash = 7, config.nq = config.nv = 2,
-    config.dt = 0.01, config.last_step = 5;
-    sequencer = std::make_unique<Sequencer>(config, ToySimulator(),
-                                            [this](Channel channel, std::span<const uint8_t> bytes) {
-                                              sent.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
-                                            });
+    config.run = encode(run);
+    config.run_id = 1;
+    config.model_hash = 7;
+    config.nq = config.nv = 2;
+    config.dt = 0.01;
+    config.last_step = 5;
+    simulator = std::make_unique<LockstepSimulatorRole>(
+        config, ToySimulator(), [this](Channel channel, std::span<const uint8_t> bytes) {
+          sent.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
+        });
   }
   void process(const char* name, int32_t pid, int64_t utime, int64_t hash = 7) {
     process_t p{};
-    p.utime = utime, p.run = 1, p.step = -1, p.name = name, p.pid = pid, p.state = "READY",
+    p.utime = utime;
+    p.run = 1;
+    p.step = -1;
+    p.name = name;
+    p.pid = pid;
+    p.state = "READY";
     p.model_hash = hash;
-    sequencer->receive(Channel::Process, encode(p), 0);
+    simulator->receive(Channel::Process, encode(p), 0);
   }
-  void all_ready() { process(kPlanner, 1, 0), process(kController, 2, 0), process(kLogger, 3, 0); }
+  void all_ready() {
+    process(kPlanner, 1, 0);
+    process(kController, 2, 0);
+    process(kLogger, 3, 0);
+  }
   int64_t count(Channel channel) const {
     return std::count_if(sent.begin(), sent.end(), [&](const auto& entry) { return entry.first == channel; });
   }
 };
 
-TEST(Sequencer, WaitsForEveryRequiredProcess) {
+TEST(LockstepSimulatorRole, WaitsForEveryRequiredProcess) {
   Bench bench;
-  bench.process(kPlanner, 1, 0), bench.process(kController, 2, 0);
+  bench.process(kPlanner, 1, 0);
+  bench.process(kController, 2, 0);
   EXPECT_EQ(bench.count(Channel::RobotState), 0);
   bench.process(kLogger, 3, 0);
   EXPECT_EQ(bench.count(Channel::RobotState), 1);
 }
 
-TEST(Sequencer, AnotherModelEndsTheRunWithBothHashes) {
+TEST(LockstepSimulatorRole, AnotherModelEndsTheRunWithBothHashes) {
   Bench bench;
   bench.process(kController, 2, 0, 0xabc);
-  EXPECT_EQ(bench.sequencer->state(), "FAULT");
+  EXPECT_EQ(bench.simulator->state(), "FAULT");
   ASSERT_EQ(bench.sent.back().first, Channel::End);
   const auto end = decode<end_t>(bench.sent.back().second);
   EXPECT_TRUE(end.aborted);
@@ -249,53 +276,61 @@ TEST(Sequencer, AnotherModelEndsTheRunWithBothHashes) {
             "controller has another model: hash 0000000000000abc, the simulator's is 0000000000000007");
 }
 
-TEST(Sequencer, TwoLiveProcessesOfOneNameEndTheRun) {
+TEST(LockstepSimulatorRole, TwoLiveProcessesOfOneNameEndTheRun) {
   Bench bench;
   bench.all_ready();
   bench.process(kController, 20, 100);  // restarted
   bench.process(kController, 2, 90);    // an old word of the first
-  EXPECT_EQ(bench.sequencer->state(), "RUNNING");
+  EXPECT_EQ(bench.simulator->state(), "RUNNING");
   bench.process(kController, 2, 110);  // the first lives
   ASSERT_EQ(bench.sent.back().first, Channel::End);
   EXPECT_EQ(decode<end_t>(bench.sent.back().second).reason,
             "two live processes are named controller: pid 20 and pid 2");
 }
 
-TEST(Sequencer, ARefusedCommandIsASafetyStopWhenItIsNotFinite) {
+TEST(LockstepSimulatorRole, ARefusedCommandIsASafetyStopWhenItIsNotFinite) {
   Bench bench;
   bench.all_ready();
-  bench.sequencer->refused({Channel::Command, 0, true, "COMMAND: tau[1] is nan"}, 0);
+  bench.simulator->refused({Channel::Command, 0, true, "COMMAND: tau[1] is nan"}, 0);
   EXPECT_EQ(decode<end_t>(bench.sent.back().second).reason,
             "controller's message for step 0 was refused: COMMAND: tau[1] is nan");
 }
 
-TEST(Sequencer, PauseStepAndResumeChangeNoBytes) {
+TEST(LockstepSimulatorRole, PauseStepAndResumeChangeNoBytes) {
   Bench bench;
   bench.all_ready();
   int64_t id = 0;
   const auto request = [&](const char* verb) {
     request_t r{};
-    r.sender = "test", r.id = ++id, r.step = -1, r.action.verb = verb;
-    bench.sequencer->receive(Channel::Request, encode(r), 0);
+    r.sender = "test";
+    r.id = ++id;
+    r.step = -1;
+    r.action.verb = verb;
+    bench.simulator->receive(Channel::Request, encode(r), 0);
   };
   const auto answer = [&](int64_t step) {
     reference_t reference{};
-    reference.run = 1, reference.step = step, reference.nq = reference.nv = 2,
+    reference.run = 1;
+    reference.step = step;
+    reference.nq = reference.nv = 2;
     reference.q = reference.v = reference.a = {0, 0};
     command_t command{};
-    command.run = 1, command.step = step, command.nv = 2, command.tau = {0, 0};
-    bench.sequencer->receive(Channel::Reference, encode(reference), 0);
-    bench.sequencer->receive(Channel::Command, encode(command), 0);
+    command.run = 1;
+    command.step = step;
+    command.nv = 2;
+    command.tau = {0, 0};
+    bench.simulator->receive(Channel::Reference, encode(reference), 0);
+    bench.simulator->receive(Channel::Command, encode(command), 0);
   };
   request("pause");
   answer(0);
-  EXPECT_EQ(bench.sequencer->step(), 0);
+  EXPECT_EQ(bench.simulator->step(), 0);
   request("step");
-  EXPECT_EQ(bench.sequencer->step(), 1);
+  EXPECT_EQ(bench.simulator->step(), 1);
   answer(1);
-  EXPECT_EQ(bench.sequencer->step(), 1);
+  EXPECT_EQ(bench.simulator->step(), 1);
   request("resume");
-  EXPECT_EQ(bench.sequencer->step(), 2);
+  EXPECT_EQ(bench.simulator->step(), 2);
   EXPECT_EQ(bench.count(Channel::Input), 0);
   EXPECT_EQ(bench.count(Channel::Reply), 3);
 }

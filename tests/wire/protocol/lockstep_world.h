@@ -13,8 +13,8 @@
 
 #include "wire/protocol/convert.h"
 #include "wire/protocol/follower.h"
-#include "wire/protocol/recorder.h"
-#include "wire/protocol/sequencer.h"
+#include "wire/protocol/lockstep_simulator.h"
+#include "wire/protocol/logger_role.h"
 #include "wire/schema/codec.h"
 
 /// A whole lockstep run in one thread on a bus that loses, doubles and delays messages, by a seed; processes are
@@ -41,11 +41,14 @@ inline RunSetup toy_setup(const run_t& run) {
 
 struct ToySimulator {
   Eigen::Vector2d q{0.1, -0.2}, v{0, 0}, tau{0, 0};
-  Advance operator()(int64_t step, const Command* command, std::span<const Action> actions) {
+  StepResult operator()(int64_t step, const Command* command, std::span<const Action> actions) {
     if (command) tau = command->tau;
     for (const Action& action : actions) v[0] += action.values.at(0);
-    if (step > 0) v += 0.01 * tau, q += 0.01 * v;
-    Advance out{
+    if (step > 0) {
+      v += 0.01 * tau;
+      q += 0.01 * v;
+    }
+    StepResult out{
         {step, 0.01 * static_cast<double>(step), q, v, step ? Eigen::Vector2d(tau) : Eigen::Vector2d::Zero()},
         {},
         ""};
@@ -57,8 +60,10 @@ struct ToyPlanner {
   double offset = 0;
   Reference operator()(int64_t step, const PlanInput& input, std::vector<Event>& events) {
     for (const Action& action : input.actions) offset += action.values.at(0);
-    if (step % 11 == 3)
-      events.push_back({"mark", "plan", std::to_string(offset)}), events.push_back({"mark", "again", ""});
+    if (step % 11 == 3) {
+      events.push_back({"mark", "plan", std::to_string(offset)});
+      events.push_back({"mark", "again", ""});
+    }
     return {step, Eigen::Vector2d(std::sin(0.03 * static_cast<double>(step)) + offset, offset),
             Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   }
@@ -104,8 +109,12 @@ class MemorySink : public LogSink {
 class World {
  public:
   World(uint64_t seed, Weather weather) : weather_(weather), random_(seed) {
-    run_.run = 4711, run_.step = -1, run_.model_hash = 99, run_.seed = static_cast<int64_t>(seed % 1000);
-    run_.nq = run_.nv = run_.njoints = 2, run_.joint_names = {"a", "b"};
+    run_.run = 4711;
+    run_.step = -1;
+    run_.model_hash = 99;
+    run_.seed = static_cast<int64_t>(seed % 1000);
+    run_.nq = run_.nv = run_.njoints = 2;
+    run_.joint_names = {"a", "b"};
     names_ = {kSimulator, kPlanner, kController, kLogger};
     std::shuffle(names_.begin(), names_.end(), random_);
     for (const auto& name : names_) start(name, random(20'000));
@@ -164,7 +173,9 @@ class World {
     Node& node = nodes_[name];
     node.role.reset();
     node.pid = ++last_pid_;
-    node.asleep_until = now_ + asleep, node.next_process = 0, node.said.clear();
+    node.asleep_until = now_ + asleep;
+    node.next_process = 0;
+    node.said.clear();
     const Publish publish = [this, name](Channel channel, std::span<const uint8_t> bytes) {
       send(name, channel, bytes);
     };
@@ -174,11 +185,16 @@ class World {
     };
     const RunSetup setup = toy_setup(run_);
     if (name == kSimulator) {
-      LeaderConfig config;
-      config.run = encode(run_), config.run_id = run_.run, config.model_hash = run_.model_hash;
-      config.nq = config.nv = 2, config.dt = setup.dt;
-      config.last_step = setup.last_step, config.every = setup.every, config.lead = setup.lead;
-      node.role = std::make_unique<Sequencer>(config, ToySimulator(), publish);
+      SimulatorConfig config;
+      config.run = encode(run_);
+      config.run_id = run_.run;
+      config.model_hash = run_.model_hash;
+      config.nq = config.nv = 2;
+      config.dt = setup.dt;
+      config.last_step = setup.last_step;
+      config.every = setup.every;
+      config.lead = setup.lead;
+      node.role = std::make_unique<LockstepSimulatorRole>(config, ToySimulator(), publish);
     } else if (name == kPlanner) {
       node.role = std::make_unique<PlannerRole>(FollowerConfig{10'000'000, 10'000'000, read_log}, toy_setup,
                                                 ToyPlanner(), publish);
@@ -187,8 +203,8 @@ class World {
                                                    toy_setup, ToyController(), publish);
     } else {
       node.sink = std::make_unique<MemorySink>(log_);
-      node.role = std::make_unique<Recorder>(
-          RecorderConfig{}, toy_setup, [](int64_t) { return std::vector<Bytes>{}; }, *node.sink, publish);
+      node.role = std::make_unique<LoggerRole>(
+          LoggerConfig{}, toy_setup, [](int64_t) { return std::vector<Bytes>{}; }, *node.sink, publish);
     }
   }
 
@@ -235,8 +251,10 @@ class World {
       else if (!node.role->outcome().ended)
         node.role->receive(message.channel, message.bytes, now_);
     }
-    for (auto& message : late)
-      message.due = nodes_[message.to].asleep_until, flying_.push(std::move(message));
+    for (auto& message : late) {
+      message.due = nodes_[message.to].asleep_until;
+      flying_.push(std::move(message));
+    }
   }
 
   void tend(const std::string& name) {
@@ -244,10 +262,15 @@ class World {
     if (node.asleep_until > now_ || node.role->outcome().ended) return;
     node.role->tick(now_);
     if (node.role->state() == node.said && now_ < node.next_process) return;
-    node.said = node.role->state(), node.next_process = now_ + kRepeat;
+    node.said = node.role->state();
+    node.next_process = now_ + kRepeat;
     process_t process{};
-    process.utime = now_, process.run = node.role->run(), process.step = node.role->step();
-    process.name = name, process.pid = node.pid, process.state = node.said,
+    process.utime = now_;
+    process.run = node.role->run();
+    process.step = node.role->step();
+    process.name = name;
+    process.pid = node.pid;
+    process.state = node.said;
     process.model_hash = node.role->model_hash();
     send(name, Channel::Process, encode(process));
   }
@@ -257,14 +280,24 @@ class World {
     const int64_t step = nodes_[kSimulator].role->step();
     if (step >= 0 && !log_.closed)
       for (const char* name : {kPlanner, kController, kLogger})
-        if (chance(weather_.crash)) ++crashes_, start(name, 1'000 + random(40'000));
+        if (chance(weather_.crash)) {
+          ++crashes_;
+          start(name, 1'000 + random(40'000));
+        }
     for (auto& [name, node] : nodes_)
       if (chance(weather_.freeze) && node.asleep_until < now_) node.asleep_until = now_ + random(50'000);
-    if (step >= 0 && asked_ < weather_.requests && chance(0.5)) answered_ = false, ++asked_;
+    if (step >= 0 && asked_ < weather_.requests && chance(0.5)) {
+      answered_ = false;
+      ++asked_;
+    }
     if (asked_ > 0 && !answered_) {  // repeated until it is answered
       request_t request{};
-      request.step = -1, request.sender = "person", request.id = asked_;
-      request.action.verb = "set", request.action.values = {0.25 * asked_}, request.action.n = 1;
+      request.step = -1;
+      request.sender = "person";
+      request.id = asked_;
+      request.action.verb = "set";
+      request.action.values = {0.25 * asked_};
+      request.action.n = 1;
       nodes_["person"];
       send("person", Channel::Request, encode(request));
     }

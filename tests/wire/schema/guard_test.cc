@@ -88,8 +88,8 @@ TEST(Channels, NamesRoundTripAndPrefixesSeparateRobots) {
 TEST(Channels, KeptAsTheContractSays) {
   std::string log, telemetry;
   for (const ChannelRow& r : kChannelTable) {
-    if (r.kept == Kept::Log) log += std::string(r.name) + " ";
-    if (r.kept == Kept::Telemetry) telemetry += std::string(r.name) + " ";
+    if (r.log_file == LogFile::Log) log += std::string(r.name) + " ";
+    if (r.log_file == LogFile::Telemetry) telemetry += std::string(r.name) + " ";
   }
   EXPECT_EQ(log, "RUN TYPE ROBOT_STATE REFERENCE COMMAND INPUT EVENT END ");
   EXPECT_EQ(telemetry, "PROCESS FRAME ");

@@ -231,7 +231,12 @@ TEST(SchemaAgainstLcmGen, CountsWithoutBytesAreRefused) {
   const Type& type = *torture_schema().find("wiretest.torture_t");
   wiretest::torture_t m = torture();
   m.rows = m.columns = 0;
-  m.raw.clear(), m.grid.clear(), m.names.clear(), m.pairs.clear(), m.bits.clear(), m.nothing.clear();
+  m.raw.clear();
+  m.grid.clear();
+  m.names.clear();
+  m.pairs.clear();
+  m.bits.clear();
+  m.nothing.clear();
   for (auto& plane : m.cube) plane.clear();
   for (auto& line : m.board) line.clear();
   Bytes bytes = encode_plain(m);

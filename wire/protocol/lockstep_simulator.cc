@@ -1,4 +1,4 @@
-#include "wire/protocol/sequencer.h"
+#include "wire/protocol/lockstep_simulator.h"
 
 #include <fmt/format.h>
 
@@ -10,26 +10,29 @@
 
 namespace lab {
 
-Sequencer::Sequencer(LeaderConfig config, AdvanceStep advance, Publish publish)
-    : Leader(std::move(config), std::move(advance), std::move(publish)) {
+LockstepSimulatorRole::LockstepSimulatorRole(SimulatorConfig config, SimulateStep simulate, Publish publish)
+    : SimulatorRole(std::move(config), std::move(simulate), std::move(publish)) {
   for (const auto& name : config_.listeners) acks_[name] = kBeforeStart;
 }
 
-// ---- what comes in ------------------------------------------------------------------------------------------
+// ---- received messages --------------------------------------------------------------------------------------
 
-void Sequencer::on_message(Channel channel, std::span<const uint8_t> bytes, Micros now) {
+void LockstepSimulatorRole::on_message(Channel channel, std::span<const uint8_t> bytes, Micros now) {
   if (channel != Channel::Reference && channel != Channel::Command && channel != Channel::Event) return;
   file(channel, bytes);
   go_on(now);
 }
 
-void Sequencer::on_ack(const std::string& process, int64_t complete_to) {
+void LockstepSimulatorRole::on_ack(const std::string& process, int64_t complete_to) {
   int64_t& known = acks_[process];
-  if (complete_to > known) known = complete_to, silence_.progress();
+  if (complete_to > known) {
+    known = complete_to;
+    idle_timer_.reset();
+  }
 }
 
-/// Keeps an answer; the first one counts.
-void Sequencer::file(Channel channel, std::span<const uint8_t> bytes) {
+/// Keeps an answer; later ones for the same step are ignored.
+void LockstepSimulatorRole::file(Channel channel, std::span<const uint8_t> bytes) {
   const int64_t step = peek_step(bytes);
   const bool ahead = step > std::max<int64_t>(published_, kBeforeStart) + std::max<int64_t>(config_.lead, 0);
   if (step < 0 || step < published_ || ahead || phase_ == Phase::Ending) {
@@ -40,16 +43,16 @@ void Sequencer::file(Channel channel, std::span<const uint8_t> bytes) {
   ring_.at(step).file(channel, bytes, false);
 }
 
-void Sequencer::refused(const Refusal& refusal, Micros now) {
+void LockstepSimulatorRole::refused(const Refusal& refusal, Micros now) {
   if (refusal.channel != Channel::Command && refusal.channel != Channel::Reference) return;
   last_refusal_ = refusal.reason;
   if (phase_ != Phase::Running || refusal.step < published_) return;
-  const char* who = refusal.channel == Channel::Command ? kController : kPlanner;
+  const char* process = refusal.channel == Channel::Command ? kController : kPlanner;
   fail(refusal.non_finite ? kSafety : kTransport,
-       fmt::format("{}'s message for step {} was refused: {}", who, refusal.step, refusal.reason), now);
+       fmt::format("{}'s message for step {} was refused: {}", process, refusal.step, refusal.reason), now);
 }
 
-void Sequencer::on_need(int64_t step, Micros now) {
+void LockstepSimulatorRole::on_need(int64_t step, Micros now) {
   Micros& last = resent_[step];
   if (last != 0 && now - last < kFirstWait / 2) return;
   last = now;
@@ -60,7 +63,7 @@ void Sequencer::on_need(int64_t step, Micros now) {
 }
 
 /// Extras first, then the main message, process by process.
-void Sequencer::resend(const StepRecord& record) {
+void LockstepSimulatorRole::resend(const StepRecord& record) {
   for (const auto& [seq, bytes] : record.inputs) publish_(Channel::Input, bytes);
   for (const auto& [key, bytes] : record.events) publish_(Channel::Event, bytes);
   if (!record.state.empty()) publish_(Channel::RobotState, record.state);
@@ -68,34 +71,34 @@ void Sequencer::resend(const StepRecord& record) {
   if (!record.command.empty()) publish_(Channel::Command, record.command);
 }
 
-// ---- what goes on -------------------------------------------------------------------------------------------
+// ---- steps --------------------------------------------------------------------------------------------------
 
-void Sequencer::begin(Micros now) {
+void LockstepSimulatorRole::begin(Micros now) {
   if (publish_state(0, now)) go_on(now);
 }
 
-bool Sequencer::answered(int64_t step) {
+bool LockstepSimulatorRole::answered(int64_t step) {
   const StepRecord* record = ring_.find(step);
   return record && record->complete(command_due(step));
 }
 
-bool Sequencer::credit_for(int64_t step) const {
+bool LockstepSimulatorRole::has_credit(int64_t step) const {
   return std::all_of(acks_.begin(), acks_.end(),
                      [&](const auto& ack) { return ack.second >= step - kWindow; });
 }
 
-void Sequencer::go_on(Micros now) {
+void LockstepSimulatorRole::go_on(Micros now) {
   while (phase_ == Phase::Running && published_ >= 0 && answered(published_)) {
     if (published_ >= last_step_) return end(false, "", now);
     if (paused_ && single_steps_ == 0) return;
-    if (!credit_for(published_ + 1)) return;
+    if (!has_credit(published_ + 1)) return;
     if (paused_) --single_steps_;
     if (!publish_state(published_ + 1, now)) return;
   }
 }
 
 /// Integrates to `step` and publishes it, extras first. Returns false if the run ended instead.
-bool Sequencer::publish_state(int64_t step, Micros now) {
+bool LockstepSimulatorRole::publish_state(int64_t step, Micros now) {
   robot_state_t message{};
   Command command;
   const Command* fresh = nullptr;
@@ -109,39 +112,44 @@ bool Sequencer::publish_state(int64_t step, Micros now) {
       fresh = &command;
     }
   }
-  const Advance advance = advance_(step, fresh, actions_);
-  if (!advance.abort.empty())
-    return fail(kSafety, fmt::format("step {}: {}", step, advance.abort), now), false;
+  const StepResult result = simulate_(step, fresh, actions_);
+  if (!result.abort.empty()) {
+    fail(kSafety, fmt::format("step {}: {}", step, result.abort), now);
+    return false;
+  }
 
   StepRecord& record = ring_.at(step);
   message.command_step = step > 0 ? (step - 1) / config_.every * config_.every : -1;
-  compose(advance, step, message, [&](Channel channel, const Bytes& bytes) {
+  compose(result, step, message, [&](Channel channel, const Bytes& bytes) {
     record.file(channel, bytes, true);
     publish_(channel, bytes);
   });
   asked_ = 0;
-  patience_.reset(now);
+  retry_timer_.reset(now);
   return true;
 }
 
-void Sequencer::tick(Micros now) {
-  Leader::tick(now);
+void LockstepSimulatorRole::tick(Micros now) {
+  SimulatorRole::tick(now);
   if (phase_ != Phase::Running) return;
-  if (paused_ && answered(published_)) silence_.progress();
-  if (patience_.expired(now)) ask_for_answers();
-  if (silence_.total() > config_.deadline)
+  if (paused_ && answered(published_)) idle_timer_.reset();
+  if (retry_timer_.expired(now)) ask_for_answers();
+  if (idle_timer_.elapsed() > config_.deadline)
     fail(kTransport,
-         fmt::format("{} in {:g} s{}", silent_party(), config_.deadline * 1e-6,
+         fmt::format("{} in {:g} s{}", missing_answer(), config_.deadline * 1e-6,
                      last_refusal_.empty() ? "" : "; last refused: " + last_refusal_),
          now);
 }
 
-void Sequencer::ask_for_answers() {
+void LockstepSimulatorRole::ask_for_answers() {
   const StepRecord* record = ring_.find(published_);
-  const auto ask = [&](const char* whom) {
+  const auto ask = [&](const char* process) {
     need_t need{};
-    need.utime = utime(published_), need.run = config_.run_id, need.step = published_;
-    need.process = whom, need.sender = kSimulator;
+    need.utime = utime(published_);
+    need.run = config_.run_id;
+    need.step = published_;
+    need.process = process;
+    need.sender = kSimulator;
     publish_(Channel::Need, encode(need));
   };
   const bool reference = record->closed_by(kPlanner);
@@ -152,8 +160,8 @@ void Sequencer::ask_for_answers() {
   if (++asked_ % 3 == 0) resend(*record);
 }
 
-/// Who keeps the run from going on, in words.
-std::string Sequencer::silent_party() {
+/// What the run waits for, in words.
+std::string LockstepSimulatorRole::missing_answer() {
   const StepRecord* record = ring_.find(published_);
   if (!record->closed_by(kPlanner))
     return fmt::format("{} gave no REFERENCE for step {}", kPlanner, published_);
@@ -164,7 +172,7 @@ std::string Sequencer::silent_party() {
   return fmt::format("nothing went on after step {}", published_);
 }
 
-int64_t Sequencer::digest_of_last() {
+int64_t LockstepSimulatorRole::digest_of_last() {
   if (!answered(published_)) return 0;
   StepRecord& last = *ring_.find(published_);
   last.trim();

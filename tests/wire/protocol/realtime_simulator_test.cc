@@ -1,5 +1,5 @@
 // Real time with a clock made of numbers: ticks on an absolute grid, newest commands, requests, the end.
-#include "wire/protocol/ticker.h"
+#include "wire/protocol/realtime_simulator.h"
 
 #include <gtest/gtest.h>
 
@@ -23,42 +23,63 @@ constexpr Micros kDt = 1000;
 struct World {
   explicit World(const std::string& no_reset = "") {
     run_t run{};
-    run.run = 77, run.step = -1, run.nq = run.nv = run.njoints = 1, run.joint_names = {"a"};
-    LeaderConfig config;
-    config.run = encode(run), config.run_id = 77, config.model_hash = 5, config.nq = config.nv = 1;
-    config.dt = 1e-3, config.last_step = 100'000, config.wall_offset = 5'000'000;
+    run.run = 77;
+    run.step = -1;
+    run.nq = run.nv = run.njoints = 1;
+    run.joint_names = {"a"};
+    SimulatorConfig config;
+    config.run = encode(run);
+    config.run_id = 77;
+    config.model_hash = 5;
+    config.nq = config.nv = 1;
+    config.dt = 1e-3;
+    config.last_step = 100'000;
+    config.wall_offset = 5'000'000;
     config.no_reset = no_reset;
     config.why_not = [](const Action& action) { return action.verb == "set" ? "" : "no such action"; };
-    ticker = std::make_unique<Ticker>(
+    simulator = std::make_unique<RealtimeSimulatorRole>(
         config,
         [this](int64_t step, const Command* command, std::span<const Action>) {
           used.push_back(command ? command->state_step : -1);
           const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1);
-          return Advance{{step, 0, zero, zero, zero}, {}, ""};
+          return StepResult{{step, 0, zero, zero, zero}, {}, ""};
         },
         [this](Channel channel, std::span<const uint8_t> bytes) {
           sent.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
         });
     for (int pid = 1; const char* name : {kPlanner, kController, kLogger}) {
       process_t process{};
-      process.run = 77, process.name = name, process.pid = pid++, process.state = "READY",
-      process.model_hash = 5, process.utime = 1;
-      ticker->receive(Channel::Process, encode(process), now);
+      process.run = 77;
+      process.name = name;
+      process.pid = pid++;
+      process.state = "READY";
+      process.model_hash = 5;
+      process.utime = 1;
+      simulator->receive(Channel::Process, encode(process), now);
     }
   }
   void run_to(Micros time) {
-    while (now < time) now = std::min(time, std::max(ticker->wake(), now + 1)), ticker->tick(now);
+    while (now < time) {
+      now = std::min(time, std::max(simulator->wake(), now + 1));
+      simulator->tick(now);
+    }
   }
   void command(int64_t state_step) {
     command_t command{};
-    command.run = 77, command.step = command.state_step = state_step, command.nv = 1, command.tau = {0};
-    ticker->receive(Channel::Command, encode(command), now);
+    command.run = 77;
+    command.step = command.state_step = state_step;
+    command.nv = 1;
+    command.tau = {0};
+    simulator->receive(Channel::Command, encode(command), now);
   }
   reply_t request(const std::string& verb, int64_t id, std::vector<double> values = {}) {
     request_t request{};
-    request.sender = "me", request.id = id, request.action.verb = verb;
-    request.action.n = static_cast<int32_t>(values.size()), request.action.values = values;
-    ticker->receive(Channel::Request, encode(request), now);
+    request.sender = "me";
+    request.id = id;
+    request.action.verb = verb;
+    request.action.n = static_cast<int32_t>(values.size());
+    request.action.values = values;
+    simulator->receive(Channel::Request, encode(request), now);
     return decode<reply_t>(last(Channel::Reply));
   }
   Bytes last(Channel channel) {
@@ -74,74 +95,79 @@ struct World {
   Micros now = 1'000'000;
   std::vector<std::pair<Channel, Bytes>> sent;
   std::vector<int64_t> used;
-  std::unique_ptr<Ticker> ticker;
+  std::unique_ptr<RealtimeSimulatorRole> simulator;
 };
 
-TEST(Ticker, StepsAreOnAnAbsoluteGridOfTheWallClock) {
+TEST(RealtimeSimulatorRole, StepsAreOnAnAbsoluteGridOfTheWallClock) {
   World w;
-  EXPECT_EQ(w.ticker->step(), 0);
+  EXPECT_EQ(w.simulator->step(), 0);
   w.run_to(1'000'000 + 250 * kDt);
-  EXPECT_EQ(w.ticker->step(), 250);
+  EXPECT_EQ(w.simulator->step(), 250);
   EXPECT_EQ(decode<robot_state_t>(w.last(Channel::RobotState)).utime, 6'000'000 + 250 * kDt);
 }
 
-TEST(Ticker, LateTicksAreMadeUpForAndCounted) {
+TEST(RealtimeSimulatorRole, LateTicksAreMadeUpForAndCounted) {
   World w;
   w.run_to(1'000'000 + 10 * kDt);
   w.now += 5 * kDt + 300;
-  w.ticker->tick(w.now);
-  EXPECT_EQ(w.ticker->step(), 15);
-  EXPECT_EQ(w.ticker->overruns(), 4);  // late by 4.3, 3.3, 2.3, 1.3 and 0.3 steps
-  EXPECT_EQ(w.ticker->lateness()->longest(), 4 * kDt + 300);
-  EXPECT_EQ(w.ticker->wake(), 1'000'000 + 16 * kDt) << "the grid has not moved";
+  w.simulator->tick(w.now);
+  EXPECT_EQ(w.simulator->step(), 15);
+  EXPECT_EQ(w.simulator->overruns(), 4);  // late by 4.3, 3.3, 2.3, 1.3 and 0.3 steps
+  EXPECT_EQ(w.simulator->lateness()->longest(), 4 * kDt + 300);
+  EXPECT_EQ(w.simulator->wake(), 1'000'000 + 16 * kDt) << "the grid has not moved";
 }
 
-TEST(Ticker, ALongStandstillMovesTheGridAndIsSaid) {
+TEST(RealtimeSimulatorRole, ALongStandstillMovesTheGridAndIsSaid) {
   World w;
   w.run_to(1'000'000 + 10 * kDt);
   w.now += 3'000'000;
-  w.ticker->tick(w.now);
-  EXPECT_EQ(w.ticker->step(), 11);
+  w.simulator->tick(w.now);
+  EXPECT_EQ(w.simulator->step(), 11);
   EXPECT_EQ(decode<event_t>(w.last(Channel::Event)).what, "clock_slipped");
-  EXPECT_EQ(w.ticker->wake(), w.now + kDt);
+  EXPECT_EQ(w.simulator->wake(), w.now + kDt);
 }
 
-TEST(Ticker, TheNewestCommandIsUsedOnceAndOldOnesNever) {
+TEST(RealtimeSimulatorRole, TheNewestCommandIsUsedOnceAndOldOnesNever) {
   World w;
   w.run_to(1'000'000 + 10 * kDt);
-  w.command(9), w.command(10), w.command(8), w.command(11);  // 11 is of the future
+  w.command(9);
+  w.command(10);
+  w.command(8);
+  w.command(11);  // 11 is of the future
   w.run_to(w.now + 3 * kDt);
   EXPECT_EQ((std::vector<int64_t>(w.used.end() - 3, w.used.end())), (std::vector<int64_t>{10, -1, -1}));
 }
 
-TEST(Ticker, PauseStepResume) {
+TEST(RealtimeSimulatorRole, PauseStepResume) {
   World w;
   w.run_to(1'000'000 + 10 * kDt);
   EXPECT_FALSE(w.request("step", 1).ok);
   EXPECT_TRUE(w.request("pause", 2).ok);
   w.run_to(w.now + 500 * kDt);
-  EXPECT_EQ(w.ticker->step(), 10);
+  EXPECT_EQ(w.simulator->step(), 10);
   EXPECT_TRUE(w.request("step", 3, {5}).ok);
   w.run_to(w.now + 300 * kDt);
-  EXPECT_EQ(w.ticker->step(), 15);
+  EXPECT_EQ(w.simulator->step(), 15);
   EXPECT_TRUE(w.request("resume", 4).ok);
   w.run_to(w.now + 20 * kDt);
-  EXPECT_NEAR(static_cast<double>(w.ticker->step()), 35, 1);
-  EXPECT_EQ(w.ticker->overruns(), 0) << "a pause is no lateness";
+  EXPECT_NEAR(static_cast<double>(w.simulator->step()), 35, 1);
+  EXPECT_EQ(w.simulator->overruns(), 0) << "a pause is no lateness";
 }
 
-TEST(Ticker, RequestsAreExecutedOnceAndInputsCanBeAskedForAgain) {
+TEST(RealtimeSimulatorRole, RequestsAreExecutedOnceAndInputsCanBeAskedForAgain) {
   World w;
   w.run_to(1'000'000 + 3 * kDt);
   EXPECT_TRUE(w.request("set", 1, {1}).ok);
   EXPECT_TRUE(w.request("set", 1, {1}).ok);  // repeated until answered
   EXPECT_EQ(w.count(Channel::Input), 1);
   EXPECT_FALSE(w.request("fly", 2).ok);
-  w.ticker->receive(
+  w.simulator->receive(
       Channel::Need,
       [] {
         need_t need{};
-        need.step = -1, need.process = kSimulator, need.sender = kController;
+        need.step = -1;
+        need.process = kSimulator;
+        need.sender = kController;
         return encode(need);
       }(),
       w.now);
@@ -149,14 +175,14 @@ TEST(Ticker, RequestsAreExecutedOnceAndInputsCanBeAskedForAgain) {
   EXPECT_EQ(w.count(Channel::Run), 2);
 }
 
-TEST(Ticker, AResetEndsTheRunWithAWordAboutIt) {
+TEST(RealtimeSimulatorRole, AResetEndsTheRunWithAWordAboutIt) {
   World w;
   w.run_to(1'000'000 + 10 * kDt);
   EXPECT_TRUE(w.request("pause", 1).ok);
   const reply_t reply = w.request("reset", 2);
   EXPECT_TRUE(reply.ok);
   EXPECT_EQ(reply.step, 11);
-  EXPECT_TRUE(w.ticker->again());
+  EXPECT_TRUE(w.simulator->again());
   w.run_to(w.now + 200 * kDt);
   const auto event = decode<event_t>(w.last(Channel::Event));
   EXPECT_EQ(event.what, "reset");
@@ -168,39 +194,41 @@ TEST(Ticker, AResetEndsTheRunWithAWordAboutIt) {
   EXPECT_FALSE(w.request("goal", 3).ok) << "the run is ending";
 }
 
-TEST(Ticker, AResetThatNobodyWouldFollowIsRefused) {
+TEST(RealtimeSimulatorRole, AResetThatNobodyWouldFollowIsRefused) {
   World w("no supervisor");
   w.run_to(1'000'000 + 10 * kDt);
   const reply_t reply = w.request("reset", 1);
   EXPECT_FALSE(reply.ok);
   EXPECT_EQ(reply.reason, "no supervisor");
   w.run_to(w.now + 20 * kDt);
-  EXPECT_EQ(w.ticker->step(), 30) << "the run goes on";
-  EXPECT_FALSE(w.ticker->again());
+  EXPECT_EQ(w.simulator->step(), 30) << "the run goes on";
+  EXPECT_FALSE(w.simulator->again());
 }
 
-TEST(Ticker, AFloodOfBadCommandsGetsOneEventInAHundredSteps) {
+TEST(RealtimeSimulatorRole, AFloodOfBadCommandsGetsOneEventInAHundredSteps) {
   World w;
   for (int i = 0; i < 1000; ++i) {
     w.run_to(w.now + kDt);
-    w.ticker->refused({Channel::Command, 0, true, "COMMAND: tau[0] is nan"}, w.now);
+    w.simulator->refused({Channel::Command, 0, true, "COMMAND: tau[0] is nan"}, w.now);
   }
   EXPECT_NEAR(static_cast<double>(w.count(Channel::Event)), 10, 1);
-  EXPECT_FALSE(w.ticker->outcome().ended);
+  EXPECT_FALSE(w.simulator->outcome().ended);
 }
 
-TEST(Ticker, EndsWithALastWordThatTheLoggerConfirms) {
+TEST(RealtimeSimulatorRole, EndsWithALastWordThatTheLoggerConfirms) {
   World w;
   w.run_to(1'000'000 + 10 * kDt);
-  w.ticker->stop(w.now);
-  EXPECT_EQ(w.ticker->state(), "STOPPING");
-  EXPECT_FALSE(w.ticker->outcome().ended);
+  w.simulator->stop(w.now);
+  EXPECT_EQ(w.simulator->state(), "STOPPING");
+  EXPECT_FALSE(w.simulator->outcome().ended);
   ack_t ack{};
-  ack.run = 77, ack.process = kLogger, ack.closed = true;
-  w.ticker->receive(Channel::Ack, encode(ack), w.now);
-  w.ticker->tick(w.now);
-  EXPECT_TRUE(w.ticker->outcome().ended);
-  EXPECT_EQ(w.ticker->outcome().exit_code, kOk);
+  ack.run = 77;
+  ack.process = kLogger;
+  ack.closed = true;
+  w.simulator->receive(Channel::Ack, encode(ack), w.now);
+  w.simulator->tick(w.now);
+  EXPECT_TRUE(w.simulator->outcome().ended);
+  EXPECT_EQ(w.simulator->outcome().exit_code, kOk);
   EXPECT_EQ(decode<end_t>(w.last(Channel::End)).step, 10);
 }
 

@@ -1,4 +1,4 @@
-#include "wire/protocol/recorder.h"
+#include "wire/protocol/logger_role.h"
 
 #include <fmt/format.h>
 
@@ -11,28 +11,28 @@
 
 namespace lab {
 
-Recorder::Recorder(RecorderConfig config, BeginRun begin, std::function<std::vector<Bytes>(int64_t)> types,
-                   LogSink& sink, Publish publish)
+LoggerRole::LoggerRole(LoggerConfig config, BeginRun begin, std::function<std::vector<Bytes>(int64_t)> types,
+                       LogSink& sink, Publish publish)
     : config_(std::move(config)),
       begin_(std::move(begin)),
       types_(std::move(types)),
       sink_(sink),
       publish_(std::move(publish)) {}
 
-std::string Recorder::state() const {
+std::string LoggerRole::state() const {
   if (outcome_.exit_code != kOk) return "FAULT";
   if (run_ == 0) return "STARTING";
   if (closed_) return "STOPPING";
   return written_ < 0 ? "READY" : "RUNNING";
 }
 
-void Recorder::fail(int exit_code, const std::string& reason) {
+void LoggerRole::fail(int exit_code, const std::string& reason) {
   if (!outcome_.ended) outcome_ = {true, exit_code, reason};
 }
 
-void Recorder::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) try {
+void LoggerRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) try {
   if (outcome_.ended) return;
-  silence_.progress();
+  idle_timer_.reset();
   switch (channel) {
     case Channel::Run:
       if (run_ == 0) on_run(bytes);
@@ -48,7 +48,8 @@ void Recorder::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
     case Channel::Event:
       if (run_ == 0 || closed_) break;
       if (setup_.realtime) return write_as_it_comes(channel, bytes);
-      file(channel, bytes, now), write_matching_steps(now);
+      file(channel, bytes, now);
+      write_matching_steps(now);
       break;
     case Channel::End:
       if (run_ == 0) break;
@@ -56,7 +57,7 @@ void Recorder::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
         end_ = decode<end_t>(bytes);
         end_bytes_.assign(bytes.begin(), bytes.end());
         if (setup_.realtime) return finish();
-        patience_.hurry(now);
+        retry_timer_.trigger(now);
         write_matching_steps(now);
       } else if (closed_) {
         send_ack();
@@ -69,7 +70,7 @@ void Recorder::receive(Channel channel, std::span<const uint8_t> bytes, Micros n
   fail(kDied, error.what());
 }
 
-void Recorder::on_run(std::span<const uint8_t> bytes) {
+void LoggerRole::on_run(std::span<const uint8_t> bytes) {
   const auto message = decode<run_t>(bytes);
   try {
     setup_ = begin_(message);
@@ -95,7 +96,7 @@ void Recorder::on_run(std::span<const uint8_t> bytes) {
 }
 
 /// Real time: the log is what the logger heard, in that order.
-void Recorder::write_as_it_comes(Channel channel, std::span<const uint8_t> bytes) {
+void LoggerRole::write_as_it_comes(Channel channel, std::span<const uint8_t> bytes) {
   if (channel == Channel::Input) {
     const int64_t seq = decode<input_t>(bytes).input_seq;
     if (seq <= input_seq_) return;  // sent again for somebody else
@@ -107,7 +108,7 @@ void Recorder::write_as_it_comes(Channel channel, std::span<const uint8_t> bytes
   if (channel == Channel::RobotState) written_ = std::max(written_, step);
 }
 
-void Recorder::file(Channel channel, std::span<const uint8_t> bytes, Micros now) {
+void LoggerRole::file(Channel channel, std::span<const uint8_t> bytes, Micros now) {
   const int64_t step = peek_step(bytes);
   if (step <= written_ || step > written_ + ring_.size()) {
     late_ += step <= written_;
@@ -115,19 +116,22 @@ void Recorder::file(Channel channel, std::span<const uint8_t> bytes, Micros now)
   }
   ring_.at(step).file(channel, bytes, true);
   highest_ = std::max(highest_, step);
-  const bool gap = channel == Channel::RobotState && step > written_ + 2 && hurried_ != written_;
-  if (gap) hurried_ = written_, patience_.hurry(now);
+  const bool gap = channel == Channel::RobotState && step > written_ + 2 && gap_at_ != written_;
+  if (gap) {
+    gap_at_ = written_;
+    retry_timer_.trigger(now);
+  }
 }
 
 /// STATE k+1 carries the digest of step k, END that of the last.
-std::optional<int64_t> Recorder::digest_published_for(int64_t step) {
+std::optional<int64_t> LoggerRole::digest_published_for(int64_t step) {
   if (end_ && end_->step == step) return end_->digest;
   const StepRecord* next = ring_.find(step + 1);
   if (!next || next->state.empty()) return std::nullopt;
   return peek_digest(next->state);
 }
 
-void Recorder::write_matching_steps(Micros now) {
+void LoggerRole::write_matching_steps(Micros now) {
   for (;;) {
     const int64_t step = written_ + 1;
     if (end_ && step > end_->step) return finish();
@@ -142,28 +146,30 @@ void Recorder::write_matching_steps(Micros now) {
         sink_.append(channel, bytes, step_utime(step, setup_.dt));
       });
     written_ = step;
-    patience_.reset(now);
+    retry_timer_.reset(now);
     if (written_ - flushed_ >= kWindow / 4) flush();
   }
   if (end_ && end_->aborted && end_->digest == 0 && written_ + 1 >= end_->step) finish();
 }
 
-void Recorder::flush() {
+void LoggerRole::flush() {
   sink_.flush();
   flushed_ = written_;
   send_ack();
 }
 
-void Recorder::send_ack() {
+void LoggerRole::send_ack() {
   ack_t ack{};
-  ack.run = run_, ack.step = ack.complete_to = flushed_,
+  ack.run = run_;
+  ack.step = ack.complete_to = flushed_;
   ack.utime = step_utime(std::max<int64_t>(flushed_, 0), setup_.dt);
-  ack.process = kLogger, ack.closed = closed_;
+  ack.process = kLogger;
+  ack.closed = closed_;
   publish_(Channel::Ack, encode(ack));
 }
 
 /// Writes END if it is known, and closes the log.
-void Recorder::finish() {
+void LoggerRole::finish() {
   if (closed_) return;
   if (end_) sink_.append(Channel::End, end_bytes_, end_->utime);
   sink_.close();
@@ -172,27 +178,30 @@ void Recorder::finish() {
   send_ack();
 }
 
-void Recorder::tick(Micros now) try {
+void LoggerRole::tick(Micros now) try {
   if (outcome_.ended) return;
-  silence_.look(now);
-  if (last_word_ != 0 && (closed_ || now >= last_word_)) return stop(now);
+  idle_timer_.update(now);
+  if (stop_deadline_ != 0 && (closed_ || now >= stop_deadline_)) return stop(now);
   if (now >= next_ack_) {
     next_ack_ = now + kRepeat;
     if (run_ != 0 && !closed_) flush();
   }
-  if (patience_.expired(now) && !closed_ && !(run_ != 0 && setup_.realtime)) {
+  if (retry_timer_.expired(now) && !closed_ && !(run_ != 0 && setup_.realtime)) {
     const int64_t missing = run_ == 0 ? kBeforeStart : written_ + 1;
     const auto ask = [&](int64_t step) {
       need_t need{};
-      need.run = run_, need.step = step, need.process = kSimulator, need.sender = kLogger;
+      need.run = run_;
+      need.step = step;
+      need.process = kSimulator;
+      need.sender = kLogger;
       publish_(Channel::Need, encode(need));
     };
     ask(missing);
     if (run_ != 0 && !digest_published_for(missing)) ask(missing + 1);
   }
-  if (run_ == 0 && silence_.total() > config_.ready_deadline)
+  if (run_ == 0 && idle_timer_.elapsed() > config_.ready_deadline)
     fail(kNotReady, fmt::format("no RUN from the simulator in {:g} s", config_.ready_deadline * 1e-6));
-  else if (run_ != 0 && silence_.total() > config_.deadline) {
+  else if (run_ != 0 && idle_timer_.elapsed() > config_.deadline) {
     if (!closed_)
       fail(kTransport,
            fmt::format("nothing heard in {:g} s after step {}", config_.deadline * 1e-6, written_));
@@ -202,13 +211,14 @@ void Recorder::tick(Micros now) try {
   fail(kDied, error.what());
 }
 
-Micros Recorder::wake() const {
-  return closed_ || (run_ != 0 && setup_.realtime) ? next_ack_ : std::min(patience_.due(), next_ack_);
+Micros LoggerRole::wake() const {
+  return closed_ || (run_ != 0 && setup_.realtime) ? next_ack_ : std::min(retry_timer_.due(), next_ack_);
 }
 
-void Recorder::stop(Micros now) try {
-  if (end_ && !closed_ && last_word_ == 0) {  // the end has been said: what is missing of it may still come
-    last_word_ = now + kLastWord;
+void LoggerRole::stop(Micros now) try {
+  if (end_ && !closed_ &&
+      stop_deadline_ == 0) {  // the end has been said: what is missing of it may still come
+    stop_deadline_ = now + kStopGrace;
     return;
   }
   if (run_ != 0) finish();

@@ -1,4 +1,4 @@
-#include "wire/protocol/leader.h"
+#include "wire/protocol/simulator_role.h"
 
 #include <fmt/format.h>
 
@@ -15,24 +15,24 @@
 
 namespace lab {
 
-Leader::Leader(LeaderConfig config, AdvanceStep advance, Publish publish)
+SimulatorRole::SimulatorRole(SimulatorConfig config, SimulateStep simulate, Publish publish)
     : config_(std::move(config)),
-      advance_(std::move(advance)),
+      simulate_(std::move(simulate)),
       publish_(std::move(publish)),
       last_step_(config_.last_step) {
   for (const auto& name : config_.required) peers_[name];
   publish_(Channel::Run, config_.run);
 }
 
-std::string Leader::state() const {
+std::string SimulatorRole::state() const {
   if (verdict_.exit_code != kOk) return "FAULT";
   if (phase_ == Phase::Gathering) return "READY";
   return phase_ == Phase::Running ? mode_ : "STOPPING";
 }
 
-// ---- what comes in ------------------------------------------------------------------------------------------
+// ---- received messages --------------------------------------------------------------------------------------
 
-void Leader::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) {
+void SimulatorRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) {
   switch (channel) {
     case Channel::Ack: {
       const auto ack = decode<ack_t>(bytes);
@@ -60,12 +60,12 @@ void Leader::receive(Channel channel, std::span<const uint8_t> bytes, Micros now
   }
 }
 
-void Leader::on_process(const process_t& process, Micros now) {
+void SimulatorRole::on_process(const process_t& process, Micros now) {
   const auto known = peers_.find(process.name);
   if (known == peers_.end() || (config_.nonce && process.nonce != config_.nonce)) return;
   Peer& peer = known->second;
   if (process.pid != peer.pid) {
-    if (process.utime <= peer.heard) return;  // an old word, overtaken by a newer process'
+    if (process.utime <= peer.heard) return;  // a delayed message of a process that was replaced
     if (peer.former.contains(process.pid)) {
       fail(kTransport,
            fmt::format("two live processes are named {}: pid {} and pid {}", process.name, peer.pid,
@@ -74,10 +74,13 @@ void Leader::on_process(const process_t& process, Micros now) {
       return;
     }
     if (peer.pid) peer.former.insert(peer.pid);
-    peer.pid = process.pid, peer.step = process.step;
+    peer.pid = process.pid;
+    peer.step = process.step;
   }
-  if (process.step > peer.step) silence_.progress();
-  peer.state = process.state, peer.step = process.step, peer.heard = std::max(peer.heard, process.utime);
+  if (process.step > peer.step) idle_timer_.reset();
+  peer.state = process.state;
+  peer.step = process.step;
+  peer.heard = std::max(peer.heard, process.utime);
   if (process.run == config_.run_id && process.model_hash != 0 && process.model_hash != config_.model_hash &&
       phase_ <= Phase::Running) {
     fail(kNotReady,
@@ -91,58 +94,73 @@ void Leader::on_process(const process_t& process, Micros now) {
   start_if_ready(now);
 }
 
-void Leader::on_request(const request_t& request, Micros now) {
+void SimulatorRole::on_request(const request_t& request, Micros now) {
   const std::pair<std::string, int64_t> key{request.sender, request.id};
   if (const auto known = replies_.find(key); known != replies_.end())
     return publish_(Channel::Reply, known->second);
 
   reply_t reply{};
-  reply.run = config_.run_id, reply.sender = request.sender, reply.id = request.id;
-  reply.step = published_ + 1, reply.utime = utime(reply.step), reply.ok = true;
-  const Action action = to_signal(request.action);
-  const auto refuse = [&](const std::string& why) {
-    reply.ok = false, reply.step = -1, reply.utime = 0, reply.reason = why;
-  };
-
-  if (phase_ != Phase::Running || published_ >= last_step_) {
-    refuse(phase_ == Phase::Gathering ? "the run has not started" : "the run is ending");
-  } else if (action.verb == "pause") {
-    paused_ = true;
-  } else if (action.verb == "resume") {
-    paused_ = false, single_steps_ = 0;
-    on_resume(now);
-  } else if (action.verb == "step") {
-    if (!paused_)
-      refuse("the run is not paused");
-    else
-      single_steps_ +=
-          action.values.empty() ? 1 : std::max<int64_t>(0, static_cast<int64_t>(action.values[0]));
-  } else if (action.verb == "reset") {
-    again_ = config_.no_reset.empty();
-    if (again_)
-      on_reset(request.sender);
-    else
-      refuse(config_.no_reset);
-  } else if (const std::string why = config_.why_not ? config_.why_not(action) : ""; !why.empty()) {
-    refuse(why);
-  } else {
-    input_t input{};
-    input.utime = reply.utime, input.run = config_.run_id, input.step = input_step_ = published_ + 1;
-    input.input_seq = ++input_seq_, input.sender = request.sender, input.id = request.id,
-    input.action = request.action;
-    actions_.push_back(action);
-    const Bytes bytes = encode(input);
-    on_input(input.step, bytes);
-    publish_(Channel::Input, bytes);
+  reply.run = config_.run_id;
+  reply.sender = request.sender;
+  reply.id = request.id;
+  reply.step = published_ + 1;
+  reply.utime = utime(reply.step);
+  reply.reason = execute(request, now);
+  reply.ok = reply.reason.empty();
+  if (!reply.ok) {
+    reply.step = -1;
+    reply.utime = 0;
   }
   publish_(Channel::Reply, replies_[key] = encode(reply));
-  silence_.progress();
+  idle_timer_.reset();
   go_on(now);
 }
 
-// ---- what goes on -------------------------------------------------------------------------------------------
+/// Does what a request asks for. Returns why it is refused; empty if it is not.
+std::string SimulatorRole::execute(const request_t& request, Micros now) {
+  if (phase_ == Phase::Gathering) return "the run has not started";
+  if (phase_ != Phase::Running || published_ >= last_step_) return "the run is ending";
+  const Action action = to_signal(request.action);
+  if (action.verb == "pause") {
+    paused_ = true;
+  } else if (action.verb == "resume") {
+    paused_ = false;
+    single_steps_ = 0;
+    on_resume(now);
+  } else if (action.verb == "step") {
+    if (!paused_) return "the run is not paused";
+    single_steps_ += action.values.empty() ? 1 : std::max<int64_t>(0, static_cast<int64_t>(action.values[0]));
+  } else if (action.verb == "reset") {
+    again_ = config_.no_reset.empty();
+    if (!again_) return config_.no_reset;
+    on_reset(request.sender);
+  } else {
+    if (std::string why = config_.why_not ? config_.why_not(action) : ""; !why.empty()) return why;
+    accept_input(request, action);
+  }
+  return {};
+}
 
-void Leader::start_if_ready(Micros now) {
+/// The action becomes an INPUT of the next step.
+void SimulatorRole::accept_input(const request_t& request, const Action& action) {
+  input_step_ = published_ + 1;
+  input_t input{};
+  input.utime = utime(input_step_);
+  input.run = config_.run_id;
+  input.step = input_step_;
+  input.input_seq = ++input_seq_;
+  input.sender = request.sender;
+  input.id = request.id;
+  input.action = request.action;
+  actions_.push_back(action);
+  const Bytes bytes = encode(input);
+  on_input(input.step, bytes);
+  publish_(Channel::Input, bytes);
+}
+
+// ---- phases -------------------------------------------------------------------------------------------------
+
+void SimulatorRole::start_if_ready(Micros now) {
   if (phase_ != Phase::Gathering) return;
   for (const auto& name : config_.required)
     if (!peers_[name].ready) return;
@@ -151,40 +169,46 @@ void Leader::start_if_ready(Micros now) {
   begin(now);
 }
 
-void Leader::compose(const Advance& advance, int64_t step, robot_state_t& message, const Put& put) {
-  for (size_t i = 0; i < advance.events.size(); ++i)
-    put(Channel::Event, encode(to_message(advance.events[i], kSimulator, step, utime(step), config_.run_id,
+void SimulatorRole::compose(const StepResult& result, int64_t step, robot_state_t& message, const Put& put) {
+  for (size_t i = 0; i < result.events.size(); ++i)
+    put(Channel::Event, encode(to_message(result.events[i], kSimulator, step, utime(step), config_.run_id,
                                           static_cast<int64_t>(i))));
-  to_message(advance.state, message);
-  message.utime = utime(step), message.run = config_.run_id, message.step = step;
+  to_message(result.state, message);
+  message.utime = utime(step);
+  message.run = config_.run_id;
+  message.step = step;
   message.input_seq = input_seq_;
-  message.extras = static_cast<int32_t>(actions_.size() + advance.events.size());
+  message.extras = static_cast<int32_t>(actions_.size() + result.events.size());
   put(Channel::RobotState, encode(message));
   actions_.clear();
   published_ = step;
-  mode_ = advance.mode;
-  silence_.progress();
+  mode_ = result.mode;
+  idle_timer_.reset();
 }
 
-void Leader::tick(Micros now) {
-  silence_.look(now);
+void SimulatorRole::tick(Micros now) {
+  idle_timer_.update(now);
   switch (phase_) {
     case Phase::Gathering:
-      if (silence_.total() > config_.ready_deadline)
+      if (idle_timer_.elapsed() > config_.ready_deadline)
         fail(kNotReady,
-             fmt::format("not ready in {:g} s: {}", config_.ready_deadline * 1e-6, missing_party()), now);
+             fmt::format("not ready in {:g} s: {}", config_.ready_deadline * 1e-6, missing_processes()), now);
       break;
     case Phase::Running:
       go_on(now);
       break;
     case Phase::Ending:
-      if (now >= next_end_) publish_(Channel::End, end_), next_end_ = now + kRepeat;
-      leave_if_all_closed();
+      if (now >= next_end_) {
+        publish_(Channel::End, end_);
+        next_end_ = now + kRepeat;
+      }
+      finish_if_logs_closed();
       if (phase_ == Phase::Ending &&
-          silence_.total() >
+          idle_timer_.elapsed() >
               (verdict_.exit_code == kOk ? config_.deadline : std::min(config_.deadline, 20 * kRepeat))) {
         if (verdict_.exit_code == kOk) verdict_ = {true, kTransport, "the log was not closed in time"};
-        phase_ = Phase::Over, outcome_ = verdict_;
+        phase_ = Phase::Over;
+        outcome_ = verdict_;
       }
       break;
     case Phase::Over:
@@ -192,11 +216,11 @@ void Leader::tick(Micros now) {
   }
 }
 
-Micros Leader::wake() const {
-  return phase_ == Phase::Running ? next_look() : phase_ == Phase::Ending ? next_end_ : INT64_MAX;
+Micros SimulatorRole::wake() const {
+  return phase_ == Phase::Running ? next_wake() : phase_ == Phase::Ending ? next_end_ : INT64_MAX;
 }
 
-std::string Leader::missing_party() const {
+std::string SimulatorRole::missing_processes() const {
   std::string text;
   for (const auto& name : config_.required) {
     const Peer& peer = peers_.at(name);
@@ -207,9 +231,9 @@ std::string Leader::missing_party() const {
   return text;
 }
 
-// ---- how it ends --------------------------------------------------------------------------------------------
+// ---- end ----------------------------------------------------------------------------------------------------
 
-void Leader::stop(Micros now) {
+void SimulatorRole::stop(Micros now) {
   if (phase_ == Phase::Gathering) return end(true, "stopped before step 0", now);
   if (phase_ != Phase::Running) return;
   last_step_ = std::max(published_, input_step_);
@@ -217,30 +241,35 @@ void Leader::stop(Micros now) {
   go_on(now);
 }
 
-void Leader::fail(int exit_code, const std::string& reason, Micros now) {
+void SimulatorRole::fail(int exit_code, const std::string& reason, Micros now) {
   if (phase_ >= Phase::Ending) return;
   verdict_ = {true, exit_code, reason};
   end(true, reason, now);
 }
 
-void Leader::end(bool aborted, const std::string& reason, Micros now) {
+void SimulatorRole::end(bool aborted, const std::string& reason, Micros now) {
   end_t end{};
-  end.run = config_.run_id, end.aborted = aborted, end.reason = reason;
-  end.step = published_, end.utime = utime(std::max<int64_t>(published_, 0));
+  end.run = config_.run_id;
+  end.aborted = aborted;
+  end.reason = reason;
+  end.step = published_;
+  end.utime = utime(std::max<int64_t>(published_, 0));
   end.digest = digest_of_last();
   last_step_ = published_;
   end_ = encode(end);
   verdict_.ended = true;
   phase_ = Phase::Ending;
-  silence_.progress();
+  idle_timer_.reset();
   publish_(Channel::End, end_);
-  next_end_ = now + kRepeat, ended_at_ = now;
-  leave_if_all_closed();
+  next_end_ = now + kRepeat;
+  ended_at_ = now;
+  finish_if_logs_closed();
 }
 
-void Leader::leave_if_all_closed() {
+void SimulatorRole::finish_if_logs_closed() {
   if (phase_ != Phase::Ending || closed_.size() < config_.listeners.size()) return;
-  phase_ = Phase::Over, outcome_ = verdict_;
+  phase_ = Phase::Over;
+  outcome_ = verdict_;
 }
 
 }  // namespace lab

@@ -28,18 +28,18 @@ class LogSink {
   virtual void telemetry(Channel channel, std::span<const uint8_t> bytes) = 0;
 };
 
-struct RecorderConfig {
+struct LoggerConfig {
   int64_t every = 1;  ///< only steps that this divides, and the last, go into the log
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
 };
 
 /// The logger's side of lockstep: writes a step when, and only when, its bytes have the digest that the simulator
 /// published for it; so the log is what the simulator used.
-class Recorder : public Role {
+class LoggerRole : public Role {
  public:
   /// `begin` gives the sizes of the run; `types` are the encoded TYPE messages of a run, in the order of the log.
-  Recorder(RecorderConfig config, BeginRun begin, std::function<std::vector<Bytes>(int64_t run)> types,
-           LogSink& sink, Publish publish);
+  LoggerRole(LoggerConfig config, BeginRun begin, std::function<std::vector<Bytes>(int64_t run)> types,
+             LogSink& sink, Publish publish);
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
@@ -67,7 +67,7 @@ class Recorder : public Role {
   void finish();
   void fail(int exit_code, const std::string& reason);
 
-  RecorderConfig config_;
+  LoggerConfig config_;
   BeginRun begin_;
   std::function<std::vector<Bytes>(int64_t)> types_;
   LogSink& sink_;
@@ -80,16 +80,16 @@ class Recorder : public Role {
   int64_t written_ = kBeforeStart;  ///< last step given to the sink
   int64_t flushed_ = kBeforeStart;  ///< last step that the kernel has
   int64_t highest_ = kBeforeStart;  ///< last step of which anything was seen
-  int64_t hurried_ = kBeforeStart - 1;
+  int64_t gap_at_ = kBeforeStart - 1;
   int64_t input_seq_ = 0;  ///< real time: last INPUT written
   std::optional<end_t> end_;
   Bytes end_bytes_;
   bool closed_ = false;
-  static constexpr Micros kLastWord = 1'000'000;
-  Micros last_word_ = 0;  ///< asked to stop while the end is being written: until then; 0 = not asked
-  Patience patience_;
+  static constexpr Micros kStopGrace = 1'000'000;
+  Micros stop_deadline_ = 0;  ///< asked to stop while the end is being written: until then; 0 = not asked
+  RetryTimer retry_timer_;
   Micros next_ack_ = 0;
-  Silence silence_;
+  IdleTimer idle_timer_;
 };
 
 }  // namespace lab

@@ -1,3 +1,4 @@
+// The simulator in the protocol, whatever its clock: start, requests and end of a run.
 #pragma once
 #include <lab/process_t.hpp>
 #include <lab/request_t.hpp>
@@ -13,7 +14,7 @@
 
 namespace lab {
 
-struct LeaderConfig {
+struct SimulatorConfig {
   Bytes run;  ///< the encoded RUN message
   int64_t run_id = 0, model_hash = 0, nonce = 0;
   int nq = 0, nv = 0;
@@ -25,28 +26,28 @@ struct LeaderConfig {
   std::vector<std::string> required = {kPlanner, kController, kLogger};  ///< must be READY before step 0
   std::vector<std::string> listeners = {kLogger};                        ///< whose last ACK the end waits for
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
-  /// Why an action that a person asks for is impossible; empty = it is not. May be null.
+  /// Why a requested action is refused; empty = it is accepted. May be null.
   std::function<std::string(const Action&)> why_not{};
-  std::string
-      no_reset{};  ///< why a person's `reset` is refused; empty: this run ends, and whoever started us starts the next
+  /// Why a requested `reset` is refused; empty: this run ends and the supervisor starts the next.
+  std::string no_reset{};
 };
 
-/// What one step of the simulator gives.
-struct Advance {
+/// The result of one step of the simulator.
+struct StepResult {
   RobotState state;
   std::vector<Event> events;
   std::string abort;  ///< not empty: the state cannot be published, the run ends with a safety stop
   std::string mode = "RUNNING";  ///< RUNNING, HOLDING, FAULT, as in PROCESS
 };
 /// Makes the state of `step` from the one before. `command` is null when none is new; actions hold from this step on.
-using AdvanceStep =
-    std::function<Advance(int64_t step, const Command* command, std::span<const Action> actions)>;
+using SimulateStep =
+    std::function<StepResult(int64_t step, const Command* command, std::span<const Action> actions)>;
 
-/// The simulator's side of a run, whatever its clock: gathers the required processes, answers people's requests, and
-/// ends the run for everyone. When a step happens is for the Sequencer (lockstep) and the Ticker (real time) to say.
-class Leader : public Role {
+/// The simulator's side of a run with either clock: waits for the required processes, answers requests and ends the
+/// run. LockstepSimulatorRole and RealtimeSimulatorRole decide when a step is taken.
+class SimulatorRole : public Role {
  public:
-  Leader(LeaderConfig config, AdvanceStep advance, Publish publish);
+  SimulatorRole(SimulatorConfig config, SimulateStep simulate, Publish publish);
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
@@ -62,33 +63,33 @@ class Leader : public Role {
   int nv() const override { return config_.nv; }
   /// us from the first ROBOT_STATE to END.
   Micros running_time() const { return ended_at_ - started_at_; }
-  /// True if a person asked for a new run: this one ends for that.
+  /// True if this run ends because a new one was requested.
   bool again() const { return again_; }
 
  protected:
   enum class Phase { Gathering, Running, Ending, Over };
 
-  // what a clock adds
+  // the part that depends on the clock
   virtual void on_message(Channel channel, std::span<const uint8_t> bytes, Micros now) = 0;
   virtual void on_ack(const std::string&, int64_t /*complete_to*/) {}
   virtual void on_need(int64_t step, Micros now) = 0;
-  virtual void on_input(int64_t step, const Bytes& input) = 0;  ///< keeps it for who asks again
+  virtual void on_input(int64_t step, const Bytes& input) = 0;  ///< keeps it for processes that ask again
   virtual void on_resume(Micros) {}
-  virtual void on_reset(const std::string& /*sender*/) {}  ///< makes the run end soon
-  virtual void begin(Micros now) = 0;                      ///< all are READY: step 0
-  virtual void go_on(Micros now) = 0;                      ///< does the steps that can be done now
-  virtual Micros next_look() const = 0;                    ///< while running
+  virtual void on_reset(const std::string& /*sender*/) {}  ///< ends the run soon
+  virtual void begin(Micros now) = 0;                      ///< all processes are READY: step 0
+  virtual void go_on(Micros now) = 0;                      ///< takes the steps that are possible now
+  virtual Micros next_wake() const = 0;                    ///< while running
   virtual int64_t utime(int64_t step) const = 0;
   virtual int64_t digest_of_last() { return 0; }
 
   using Put = std::function<void(Channel, const Bytes&)>;
-  /// Makes the messages of a step's state, extras first. `message` brings digest and command_step, which the clock knows.
-  void compose(const Advance& advance, int64_t step, robot_state_t& message, const Put& put);
+  /// Makes the messages of a step's state, extras first. The caller has set digest and command_step in `message`.
+  void compose(const StepResult& result, int64_t step, robot_state_t& message, const Put& put);
   void end(bool aborted, const std::string& reason, Micros now);
   void fail(int exit_code, const std::string& reason, Micros now);
 
-  LeaderConfig config_;
-  AdvanceStep advance_;
+  SimulatorConfig config_;
+  SimulateStep simulate_;
   Publish publish_;
 
   Phase phase_ = Phase::Gathering;
@@ -100,7 +101,7 @@ class Leader : public Role {
   bool again_ = false;
   int64_t single_steps_ = 0;  ///< steps that a paused run may still take
   std::string mode_ = "RUNNING";
-  Silence silence_;
+  IdleTimer idle_timer_;
   Bytes end_;  ///< the encoded END message
 
  private:
@@ -114,9 +115,11 @@ class Leader : public Role {
   };
   void on_process(const process_t& process, Micros now);
   void on_request(const request_t& request, Micros now);
+  std::string execute(const request_t& request, Micros now);
+  void accept_input(const request_t& request, const Action& action);
   void start_if_ready(Micros now);
-  void leave_if_all_closed();
-  std::string missing_party() const;
+  void finish_if_logs_closed();
+  std::string missing_processes() const;
 
   std::map<std::string, Peer> peers_;
   std::set<std::string> closed_;  ///< listeners whose log is closed

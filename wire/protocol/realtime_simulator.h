@@ -1,26 +1,27 @@
+// The simulator in real time: one step per tick of an absolute time grid.
 #pragma once
 #include <lab/command_t.hpp>
 #include <string>
 #include <vector>
 
 #include "wire/protocol/lateness.h"
-#include "wire/protocol/leader.h"
+#include "wire/protocol/simulator_role.h"
 
 namespace lab {
 
-/// The simulator's side of real time: a step at every tick of an absolute grid, with the newest command there is.
-/// It waits for nobody and repairs nothing but RUN and INPUT. A tick that comes late is made up for at once; when the
-/// process has stood still for more than kSlip, the grid moves on instead and an EVENT says so.
-class Ticker : public Leader {
+/// The simulator in real time: takes a step at every tick of an absolute grid, with the newest command. It waits for no
+/// message and re-sends only RUN and INPUT. Late ticks are caught up at once; after a standstill of more than kSlip the
+/// grid is shifted instead, with an EVENT.
+class RealtimeSimulatorRole : public SimulatorRole {
  public:
-  using Leader::Leader;
+  using SimulatorRole::SimulatorRole;
   static constexpr Micros kSlip = 100'000;
 
   void refused(const Refusal& refusal, Micros now) override;
   Micros batch() const override { return kNoSpin; }
   int urgency() const override { return 3; }
   const Lateness* lateness() const override { return &lateness_; }
-  int64_t overruns() const override { return overruns_; }  ///< ticks that came later than the next was due
+  int64_t overruns() const override { return overruns_; }  ///< ticks later than one period
 
  private:
   void on_message(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
@@ -30,7 +31,7 @@ class Ticker : public Leader {
   void on_reset(const std::string& sender) override;
   void begin(Micros now) override;
   void go_on(Micros now) override;
-  Micros next_look() const override { return due(published_ + 1); }
+  Micros next_wake() const override { return due(published_ + 1); }
   int64_t utime(int64_t step) const override { return due(step) + config_.wall_offset; }
 
   Micros due(int64_t step) const {
@@ -38,7 +39,7 @@ class Ticker : public Leader {
   }
   void start_grid(Micros now);
   void take_step(Micros now);
-  static command_t none() {
+  static command_t no_command() {
     command_t command{};
     command.state_step = -1;
     return command;
@@ -46,11 +47,11 @@ class Ticker : public Leader {
 
   int64_t grid_step_ = 0;  ///< is due at grid_start_
   Micros grid_start_ = 0;
-  bool fresh_ = false;               ///< command_ has not been used
-  command_t command_ = none();       ///< the newest
-  std::vector<Event> noticed_;       ///< events for the next state
-  int64_t refused_at_ = -1'000'000;  ///< step of the last EVENT about a refused command
-  std::vector<Bytes> inputs_;        ///< all of them, for processes that join again
+  bool fresh_ = false;                ///< command_ has not been used
+  command_t command_ = no_command();  ///< the newest
+  std::vector<Event> noticed_;        ///< events for the next state
+  int64_t refused_at_ = -1'000'000;   ///< step of the last EVENT about a refused command
+  std::vector<Bytes> inputs_;         ///< all of them, for processes that restart
   Lateness lateness_;
   int64_t overruns_ = 0;
 };

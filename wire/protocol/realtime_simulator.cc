@@ -1,4 +1,4 @@
-#include "wire/protocol/ticker.h"
+#include "wire/protocol/realtime_simulator.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 namespace lab {
 
-void Ticker::on_message(Channel channel, std::span<const uint8_t> bytes, Micros) {
+void RealtimeSimulatorRole::on_message(Channel channel, std::span<const uint8_t> bytes, Micros) {
   if (channel != Channel::Command || phase_ != Phase::Running) return;
   command_t command;
   decode(bytes, command);
@@ -20,44 +20,44 @@ void Ticker::on_message(Channel channel, std::span<const uint8_t> bytes, Micros)
   fresh_ = true;
 }
 
-/// A flood of bad commands gets one EVENT in a hundred steps.
-void Ticker::refused(const Refusal& refusal, Micros) {
+/// At most one EVENT in a hundred steps about refused commands.
+void RealtimeSimulatorRole::refused(const Refusal& refusal, Micros) {
   if (refusal.channel != Channel::Command || phase_ != Phase::Running || published_ < refused_at_ + 100)
     return;
   refused_at_ = published_;
   noticed_.push_back({"command_rejected", kController, refusal.reason});
 }
 
-void Ticker::on_need(int64_t step, Micros) {
+void RealtimeSimulatorRole::on_need(int64_t step, Micros) {
   if (step == kBeforeStart) publish_(Channel::Run, config_.run);
   for (const Bytes& input : inputs_)
     if (peek_step(input) >= step) publish_(Channel::Input, input);
   if (!end_.empty()) publish_(Channel::End, end_);
 }
 
-/// One step more, so that the log says why it ends.
-void Ticker::on_reset(const std::string& sender) {
+/// Takes one more step, so that the log contains the reason for the end.
+void RealtimeSimulatorRole::on_reset(const std::string& sender) {
   noticed_.push_back({"reset", sender, "asked for a new run"});
   last_step_ = std::min(last_step_, published_ + 1);
   paused_ = false;
 }
 
-void Ticker::begin(Micros now) {
+void RealtimeSimulatorRole::begin(Micros now) {
   grid_start_ = now;
   take_step(now);
 }
 
-void Ticker::start_grid(Micros now) {
+void RealtimeSimulatorRole::start_grid(Micros now) {
   grid_step_ = published_ + 1;
   grid_start_ = now;
 }
 
-void Ticker::go_on(Micros now) {
+void RealtimeSimulatorRole::go_on(Micros now) {
   while (phase_ == Phase::Running) {
     if (published_ >= last_step_) return end(false, "", now);
     if (paused_ && single_steps_ == 0) {
       start_grid(now + kRepeat);
-      silence_.progress();
+      idle_timer_.reset();
       return;
     }
     const Micros late = now - due(published_ + 1);
@@ -78,17 +78,17 @@ void Ticker::go_on(Micros now) {
   }
 }
 
-void Ticker::take_step(Micros now) {
+void RealtimeSimulatorRole::take_step(Micros now) {
   const int64_t step = published_ + 1;
   const Command command = to_signal(command_);
-  Advance advance = advance_(step, fresh_ ? &command : nullptr, actions_);
-  if (!advance.abort.empty()) return fail(kSafety, fmt::format("step {}: {}", step, advance.abort), now);
+  StepResult result = simulate_(step, fresh_ ? &command : nullptr, actions_);
+  if (!result.abort.empty()) return fail(kSafety, fmt::format("step {}: {}", step, result.abort), now);
   fresh_ = false;
-  advance.events.insert(advance.events.begin(), noticed_.begin(), noticed_.end());
+  result.events.insert(result.events.begin(), noticed_.begin(), noticed_.end());
   noticed_.clear();
   robot_state_t message{};
   message.command_step = command_.state_step;
-  compose(advance, step, message, [&](Channel channel, const Bytes& bytes) { publish_(channel, bytes); });
+  compose(result, step, message, [&](Channel channel, const Bytes& bytes) { publish_(channel, bytes); });
 }
 
 }  // namespace lab
