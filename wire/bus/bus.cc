@@ -6,6 +6,7 @@
 #include "wire/bus/bus_fault.h"
 #include "wire/bus/liblcm_bus.h"
 #include "wire/bus/udpm.h"
+#include "wire/schema/channel_name.h"
 
 namespace lab {
 
@@ -80,8 +81,8 @@ FaultHook fault_from_env() {
 
 void check_channel_name(std::string_view channel) {
   if (channel.empty() || channel.size() > kMaxChannelName) {
-    throw std::invalid_argument("channel name '" + std::string(channel.substr(0, 80)) +
-                                "' must have 1 to 63 bytes");
+    throw std::invalid_argument("channel name '" + std::string(channel.substr(0, 80)) + "' must have 1 to " +
+                                std::to_string(kMaxChannelName) + " bytes");
   }
   if (channel.find('\0') != std::string_view::npos)
     throw std::invalid_argument("channel name with a NUL inside");

@@ -7,8 +7,6 @@
 /// What both back ends share: the fault hook and the rule for channel names.
 namespace lab {
 
-inline constexpr size_t kMaxChannelName = 63;  ///< LCM's own bound
-
 /// Throws std::invalid_argument unless it is 1..63 bytes without NUL.
 void check_channel_name(std::string_view channel);
 

@@ -5,6 +5,7 @@
 
 #include "core/util/big_endian.h"
 #include "lcmtypes/texts.h"
+#include "wire/schema/channel_name.h"
 
 namespace lab {
 namespace {
@@ -45,7 +46,7 @@ Verdict Guard::check(std::string_view channel, std::span<const uint8_t> bytes) c
   if (const auto id = channel_of(channel, prefix_)) return check(*id, bytes);
   Verdict verdict;
   verdict.kind = Verdict::Refused;
-  verdict.reason = std::string(channel.substr(0, 63)) + ": not a channel of the lab";
+  verdict.reason = std::string(channel.substr(0, kMaxChannelName)) + ": not a channel of the lab";
   return verdict;
 }
 
