@@ -4,6 +4,7 @@
 
 #include "lab/run/run.h"
 #include "procs/controller/controller.h"
+#include "wire/protocol/controller_role.h"
 
 namespace lab::controller {
 

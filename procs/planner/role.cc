@@ -2,6 +2,7 @@
 
 #include "lab/run/run.h"
 #include "procs/planner/planner.h"
+#include "wire/protocol/planner_role.h"
 
 namespace lab::planner {
 

@@ -5,7 +5,7 @@
 
 namespace lab::planner {
 
-/// The planner's step as a participant of a lockstep run.
+/// The planner in the protocol, with the step of this room.
 std::unique_ptr<Role> make_role(FollowerConfig config, Publish publish);
 
 }  // namespace lab::planner

@@ -70,7 +70,7 @@ class Role {
   virtual int64_t model_hash() const = 0;  ///< 0 while unknown
   virtual int nq() const = 0;              ///< 0 while unknown
   virtual int nv() const = 0;
-  int64_t late() const { return late_; }
+  virtual int64_t late() const { return late_; }
 
  protected:
   int64_t late_ = 0;  ///< messages for steps already closed

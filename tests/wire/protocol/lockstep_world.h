@@ -11,10 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "wire/protocol/controller_role.h"
 #include "wire/protocol/convert.h"
-#include "wire/protocol/follower.h"
 #include "wire/protocol/lockstep_simulator.h"
 #include "wire/protocol/logger_role.h"
+#include "wire/protocol/planner_role.h"
 #include "wire/schema/codec.h"
 
 /// A whole lockstep run in one thread on a bus that loses, doubles and delays messages, by a seed; processes are

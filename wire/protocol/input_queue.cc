@@ -1,0 +1,30 @@
+#include "wire/protocol/input_queue.h"
+
+#include <lab/input_t.hpp>
+
+#include "wire/protocol/convert.h"
+#include "wire/schema/codec.h"
+
+namespace lab {
+
+void InputQueue::add(std::span<const uint8_t> input) {
+  const int64_t seq = decode<input_t>(input).input_seq;
+  if (seq > applied_) waiting_.try_emplace(seq, input.begin(), input.end());
+}
+
+bool InputQueue::complete_to(int64_t seq) const {
+  for (int64_t i = applied_ + 1; i <= seq; ++i)
+    if (!waiting_.contains(i)) return false;
+  return true;
+}
+
+std::vector<Action> InputQueue::take_to(int64_t seq) {
+  std::vector<Action> actions;
+  while (applied_ < seq) {
+    const auto node = waiting_.extract(++applied_);
+    actions.push_back(to_signal(decode<input_t>(node.mapped()).action));
+  }
+  return actions;
+}
+
+}  // namespace lab
