@@ -1,0 +1,62 @@
+#include "wire/protocol/run_log.h"
+
+#include <algorithm>
+#include <lab/ack_t.hpp>
+#include <lab/input_t.hpp>
+
+#include "wire/protocol/convert.h"
+#include "wire/protocol/step_record.h"
+#include "wire/schema/codec.h"
+
+namespace lab {
+
+bool RunLog::open(std::span<const uint8_t> run_bytes, const run_t& run, const RunSetup& setup,
+                  const MakeTypes& types) {
+  run_ = run.run;
+  setup_ = setup;
+  bool resumed = false;
+  sink_.open(run_, [&](Channel channel, std::span<const uint8_t> logged) {
+    resumed = true;
+    if (channel == Channel::RobotState) written = peek_step(logged);
+    if (channel == Channel::Input) input_seq = decode<input_t>(logged).input_seq;
+  });
+  flushed_ = written;
+  if (resumed) return true;
+  sink_.append(Channel::Run, run_bytes, run.utime);
+  for (const Bytes& type : types(run_)) sink_.append(Channel::Type, type, 0);
+  sink_.flush();
+  return false;
+}
+
+void RunLog::set_end(std::span<const uint8_t> bytes) {
+  end_ = decode<end_t>(bytes);
+  end_bytes_.assign(bytes.begin(), bytes.end());
+}
+
+void RunLog::flush() {
+  sink_.flush();
+  flushed_ = written;
+  send_ack();
+}
+
+void RunLog::close() {
+  if (closed_) return;
+  if (end_) sink_.append(Channel::End, end_bytes_, end_->utime);
+  sink_.close();
+  flushed_ = written;
+  closed_ = true;
+  send_ack();
+}
+
+void RunLog::send_ack() {
+  ack_t ack{};
+  ack.run = run_;
+  ack.step = flushed_;
+  ack.complete_to = flushed_;
+  ack.utime = step_utime(std::max<int64_t>(flushed_, 0), setup_.dt);
+  ack.process = kLogger;
+  ack.closed = closed_;
+  publish_(Channel::Ack, encode(ack));
+}
+
+}  // namespace lab
