@@ -1,9 +1,12 @@
-// The schema against lcm-gen itself: 200 random type trees, and a type with everything in it.
+// The schema and the generated count checks against lcm-gen itself: 200 random type trees, and a type with everything in
+// it.
 #include <gtest/gtest.h>
 
+#include <counts/count_fault.cc>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <lab/command_t.hpp>
 #include <lab/request_t.hpp>
 #include <lab/robot_state_t.hpp>
@@ -126,6 +129,28 @@ Bytes encode_plain(const T& m) {
   Bytes out(static_cast<size_t>(m.getEncodedSize()));
   EXPECT_EQ(m.encode(out.data(), 0, static_cast<int>(out.size())), static_cast<int>(out.size()));
   return out;
+}
+
+TEST(CountFault, ComparesEveryDimensionThatIsCounted) {
+  EXPECT_EQ(count_fault(torture()), "");
+  const auto fault = [](const std::function<void(wiretest::torture_t&)>& change) {
+    wiretest::torture_t m = torture();
+    change(m);
+    return count_fault(m);
+  };
+  const std::string type = "wiretest.torture_t: ";
+  EXPECT_EQ(fault([](auto& m) { m.raw.pop_back(); }), type + "raw has 1 elements, rows is 2");
+  EXPECT_EQ(fault([](auto& m) { m.grid[1].push_back(0); }), type + "grid has 4 elements, columns is 3");
+  EXPECT_EQ(fault([](auto& m) { m.cube.pop_back(); }), type + "cube has 1 elements, must have 2");
+  EXPECT_EQ(fault([](auto& m) { m.cube[1][2].push_back(0); }), type + "cube has 4 elements, must have 3");
+  EXPECT_EQ(fault([](auto& m) { m.names.clear(); }), type + "names has 0 elements, rows is 2");
+  EXPECT_EQ(fault([](auto& m) { m.board[1].pop_back(); }), type + "board has 2 elements, columns is 3");
+  EXPECT_EQ(fault([](auto& m) { m.pairs.resize(4); }), type + "pairs has 4 elements, columns is 3");
+  EXPECT_EQ(fault([](auto& m) { m.bits.pop_back(); }), type + "bits has 1 elements, rows is 2");
+  EXPECT_EQ(fault([](auto& m) { m.nothing.pop_back(); }), type + "nothing has 2 elements, columns is 3");
+  EXPECT_EQ(fault([](auto& m) { m.rows = -1; }), type + "raw has 2 elements, rows is -1");
+  EXPECT_EQ(fault([](auto& m) { m.root.children[1].n = 2; }),
+            "wiretest.node_t: children has 1 elements, n is 2");
 }
 
 TEST(SchemaAgainstLcmGen, FingerprintsOfGeneratedClasses) {
