@@ -12,10 +12,9 @@
 
 #include "core/util/number.h"
 #include "lab/experiment/experiment_yaml.h"
-#include "wire/log/log_reader.h"
+#include "wire/log/logged_messages.h"
 #include "wire/protocol/loop_bins.h"
 #include "wire/schema/codec.h"
-#include "wire/schema/guard.h"
 
 namespace lab::report {
 namespace {
@@ -28,16 +27,6 @@ std::string bytes_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Calls f(channel, data) for every message of the log that the guard accepts.
-template <class F>
-void each_message(const std::string& log, F&& f) {
-  Guard guard;
-  LogReader reader(log);
-  for (LogEvent event; reader.next(event);)
-    if (const auto channel = channel_of(event.channel); channel && guard.check(*channel, event.data))
-      f(*channel, event.data);
-}
-
 std::string numbers(const std::vector<double>& values) {
   std::string text;
   for (double value : values) text += (text.empty() ? "" : ", ") + number(value);
@@ -46,7 +35,7 @@ std::string numbers(const std::vector<double>& values) {
 
 std::vector<Note> read_notes(const std::string& log, double dt) {
   std::vector<Note> notes;
-  each_message(log, [&](Channel channel, std::span<const uint8_t> data) {
+  for_each_message(log, [&](Channel channel, std::span<const uint8_t> data) {
     if (channel == Channel::Event) {
       const auto event = decode<event_t>(data);
       notes.push_back(
@@ -63,7 +52,7 @@ std::vector<Note> read_notes(const std::string& log, double dt) {
 
 std::vector<Loops> read_loops(const std::string& telemetry) {
   std::map<std::string, std::map<int32_t, process_t>> newest;  // by name and pid
-  each_message(telemetry, [&](Channel channel, std::span<const uint8_t> data) {
+  for_each_message(telemetry, [&](Channel channel, std::span<const uint8_t> data) {
     if (channel != Channel::Process) return;
     auto message = decode<process_t>(data);
     newest[message.name][message.pid] = message;

@@ -10,8 +10,8 @@
 
 #include "lab/experiment/experiment_yaml.h"
 #include "lcmtypes/texts.h"
-#include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
+#include "wire/log/logged_messages.h"
 #include "wire/process/participant.h"
 #include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
@@ -93,13 +93,9 @@ ReadLog log_reader(const std::string& log_path) {
   return [log_path](int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit) {
     const std::string path = std::filesystem::exists(part_name(log_path)) ? part_name(log_path) : log_path;
     if (!std::filesystem::exists(path)) return;
-    LogReader reader(path);
     Guard guard;
     guard.set_run(run);
-    for (LogEvent event; reader.next(event);) {
-      const auto channel = channel_of(event.channel);
-      if (channel && guard.check(*channel, event.data)) visit(*channel, event.data);
-    }
+    for_each_message(path, guard, visit);
   };
 }
 

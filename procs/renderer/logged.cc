@@ -6,29 +6,15 @@
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 
-#include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
+#include "wire/log/logged_messages.h"
 #include "wire/protocol/convert.h"
 #include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
-#include "wire/schema/guard.h"
 
 namespace lab::renderer {
-namespace {
 
 namespace fs = std::filesystem;
-
-/// Calls f(channel, data) for every message that the guard lets through.
-template <class F>
-void read(const std::string& path, F&& f) {
-  LogReader reader(path);
-  const Guard guard;
-  for (LogEvent event; reader.next(event);)
-    if (const auto channel = channel_of(event.channel); channel && guard.check(*channel, event.data))
-      f(*channel, event.data);
-}
-
-}  // namespace
 
 std::string find_log(const std::string& source) {
   if (!fs::is_directory(source)) return source;
@@ -39,7 +25,7 @@ std::string find_log(const std::string& source) {
 
 Logged survey(const std::string& path) {
   Logged logged;
-  read(path, [&](Channel channel, std::span<const uint8_t> data) {
+  for_each_message(path, [&](Channel channel, std::span<const uint8_t> data) {
     if (channel == Channel::Run) logged.run = decode<run_t>(data);
     if (channel == Channel::RobotState) logged.steps.push_back(peek_step(data));
     if (channel != Channel::Input) return;
@@ -61,7 +47,7 @@ Logged survey(const std::string& path) {
 std::map<int64_t, Moment> read_moments(const std::string& path, const std::vector<int64_t>& steps,
                                        double dt) {
   std::map<int64_t, Moment> moments;
-  read(path, [&](Channel channel, std::span<const uint8_t> data) {
+  for_each_message(path, [&](Channel channel, std::span<const uint8_t> data) {
     if ((channel != Channel::RobotState && channel != Channel::Reference) ||
         !std::binary_search(steps.begin(), steps.end(), peek_step(data)))
       return;
