@@ -1,3 +1,4 @@
+// The .lcm texts of this folder, embedded at build time.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,3 +1,4 @@
+// From an experiment to RUN and TYPE, and from RUN back to what a process needs.
 #pragma once
 #include <lab/run_t.hpp>
 #include <string>
@@ -13,21 +14,21 @@ namespace lab {
 /// the same experiment has the same id; in real time no two runs are the same, and it is random.
 run_t make_run(const Experiment& experiment, const Robot& robot);
 
-/// What a process makes of RUN: everything it may know of the experiment. Throws ExperimentError.
+/// The experiment and the robot of a RUN. Throws ExperimentError.
 struct RunView {
   Experiment experiment;
   Robot robot;
 };
 RunView open_run(const run_t& run);
 
-/// The numbers that the lockstep roles need.
+/// The numbers that the roles need.
 RunSetup setup_of(const RunView& run);
 
 /// The encoded TYPE messages of a run, sorted by name: one for each type that log.lcm may hold.
 std::vector<Bytes> type_messages(int64_t run);
 
-/// Reads the whole steps that a run's log has so far, for a process that joins the run again. Only messages of that
-/// run are given; a file that is not there gives nothing.
+/// Reads the whole steps that a run's log has so far, for a process that restarts. Only messages of that run are given; without a
+/// file there are none.
 ReadLog log_reader(const std::string& log_path);
 
 }  // namespace lab

@@ -1,3 +1,4 @@
+// The common part of the mains of all processes.
 #pragma once
 #include <functional>
 #include <memory>

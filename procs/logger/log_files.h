@@ -1,3 +1,4 @@
+// log.lcm and telemetry.lcm in a run's folder.
 #pragma once
 #include <memory>
 #include <string>
@@ -7,7 +8,7 @@
 
 namespace lab::logger {
 
-/// log.lcm and telemetry.lcm of a run's folder. Both are NAME.part until they are whole; log.lcm gets its name in
+/// Both files are NAME.part until they are whole; log.lcm gets its name in
 /// close(), telemetry.lcm when this object ends.
 class LogFiles : public LogSink {
  public:
@@ -15,7 +16,7 @@ class LogFiles : public LogSink {
   explicit LogFiles(const std::string& run_dir);
   ~LogFiles() override;
 
-  /// Goes on with log.lcm.part if it is of the same run, cut back to its whole steps; else starts anew.
+  /// Continues log.lcm.part if it is of the same run, cut back to its whole steps; else starts a new one.
   void open(int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit) override;
   void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) override;
   void flush() override;

@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   app.add_option("--run-dir", run_dir, "folder that the logs go to")->envname("LAB_RUN_DIR")->required();
   app.add_option("-l,--lcm-url,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
-  app.add_option("--deadline", deadline, "s without a word from anyone that end the process")
+  app.add_option("--deadline", deadline, "s without any message that end the process")
       ->check(CLI::PositiveNumber);
   app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);
   try {

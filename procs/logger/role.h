@@ -1,3 +1,4 @@
+// The logger in the protocol, with its files.
 #pragma once
 #include <memory>
 
@@ -5,7 +6,7 @@
 
 namespace lab::logger {
 
-/// The recorder of a lockstep run that reads its sizes from RUN.
+/// A logger that reads the sizes of the robot from RUN.
 std::unique_ptr<Role> make_role(LoggerConfig config, LogSink& sink, Publish publish);
 
 }  // namespace lab::logger

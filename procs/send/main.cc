@@ -1,4 +1,4 @@
-// lab-send: one request to the simulator, and what it answered.
+// lab-send: sends one request to the simulator and prints the answer.
 #include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
@@ -36,7 +36,7 @@ std::string sender() {
   return fmt::format("lab-send@{}:{}:{}", host, getpid(), wall_now());
 }
 
-/// The lab's bus as a guest: hears what it asks for, guarded.
+/// The lab's bus for a program that is not part of the run: request and answer, with a guard.
 class Guest {
  public:
   explicit Guest(const Options& options)
@@ -53,12 +53,12 @@ class Guest {
   int64_t run() const { return run_; }
   void bind(int64_t run) { guard_.set_run(run_ = run); }
 
-  /// Sends what `message` makes every 100 ms until `take` is content with something heard; false when the time is over.
+  /// Sends `message` every 100 ms until `take` accepts a received message; false on timeout.
   bool ask(Channel channel, const Bytes& message,
            const std::function<bool(Channel, std::span<const uint8_t>)>& take) {
-    bool content = false;
+    bool accepted = false;
     Micros next = 0;
-    while (!content && !interrupted) {
+    while (!accepted && !interrupted) {
       const Micros now = monotonic_now();
       if (now >= until_) return false;
       if (now >= next) {
@@ -68,13 +68,13 @@ class Guest {
       bus_->poll(
           std::min(next, until_) - now,
           [&](const Datagram& datagram) {
-            const auto heard = channel_of(datagram.channel, options_.prefix);
-            if (!content && heard && guard_.check(*heard, datagram.data))
-              content = take(*heard, datagram.data);
+            const auto received = channel_of(datagram.channel, options_.prefix);
+            if (!accepted && received && guard_.check(*received, datagram.data))
+              accepted = take(*received, datagram.data);
           },
           kNoSpin);
     }
-    return content;
+    return accepted;
   }
 
  private:
@@ -85,7 +85,7 @@ class Guest {
   std::unique_ptr<Bus> bus_;
 };
 
-/// Binds the guest to the run that is here: a reset that its answer is lost to shall not be obeyed by the next run too.
+/// Binds the guest to the current run: a reset whose reply was lost must not reach the next run.
 bool bind_to_run(Guest& guest) {
   need_t need{};
   need.run = guest.run();
@@ -98,7 +98,7 @@ bool bind_to_run(Guest& guest) {
   });
 }
 
-/// Who follows whom on the robot of a run.
+/// Mimic joints of a run's robot, each with the joint that it follows in the end.
 std::map<std::string, std::string> followers_of(const run_t& run) {
   std::map<std::string, std::string> out;
   const rbd::Model model = open_run(run).robot.model;
@@ -110,8 +110,8 @@ std::map<std::string, std::string> followers_of(const run_t& run) {
   return out;
 }
 
-/// The robot's RUN, and the reference its joints have now.
-bool learn(Guest& guest, run_t& known, std::vector<double>& current) {
+/// Receives RUN and the current reference of the joints.
+bool read_run_and_reference(Guest& guest, run_t& known, std::vector<double>& current) {
   need_t need{};
   need.run = guest.run();
   need.step = kBeforeStart;
@@ -141,9 +141,9 @@ int request(Guest& guest, const Options& options, const Action& action) {
   std::optional<reply_t> reply;
   guest.ask(Channel::Request, encode(message), [&](Channel channel, std::span<const uint8_t> bytes) {
     if (channel != Channel::Reply) return false;
-    auto heard = decode<reply_t>(bytes);
-    if (heard.sender != message.sender || heard.id != message.id) return false;
-    reply = std::move(heard);
+    auto answer = decode<reply_t>(bytes);
+    if (answer.sender != message.sender || answer.id != message.id) return false;
+    reply = std::move(answer);
     return true;
   });
   if (interrupted) return 128 + interrupted;
@@ -169,19 +169,22 @@ int request(Guest& guest, const Options& options, const Action& action) {
   return reply->ok ? kOk : kTransport;
 }
 
-int nobody(const Options& options) {
+int no_answer(const Options& options) {
   if (interrupted) return 128 + interrupted;
   fmt::print(stderr, "lab-send: no simulator answers in {:g} s; is a lab running here?\n", options.timeout);
   return kTransport;
 }
 
-int run(int argc, char** argv) {
-  CLI::App app{"Asks the simulator of a running lab for something, and says what it answered.", "lab-send"};
-  app.require_subcommand(1);
-  app.footer(
-      "Exit codes: 0 done, 2 usage, 7 refused or not confirmed.\nexample: lab-send goal 0.1 -0.4 0.8 0 0.2 0 "
-      "--duration 2");
-  Options options;
+/// The words of the command line.
+struct Words {
+  std::vector<std::string> list;  ///< of goal and push
+  std::string target, assignment, mass, com;
+  Place place;
+  double duration = 0, seconds = 0.1;
+  int64_t count = 1;
+};
+
+void add_options(CLI::App& app, Options& options) {
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
   app.add_option("--run", options.run, "only this run (hexadecimal), where several are on the bus")
@@ -194,60 +197,99 @@ int run(int argc, char** argv) {
   app.add_option("--timeout", options.timeout, "s to wait for the answer")->check(CLI::PositiveNumber);
   app.add_flag("--json", options.as_json, "print JSON");
   app.fallthrough();
+}
 
-  std::vector<std::string> words;
-  std::string target, assignment, mass, com;
-  Place place;
-  double duration = 0, seconds = 0.1;
-  int64_t count = 1;
-  const auto verb = [&](const char* name, const char* what, const char* example) {
-    CLI::App* sub = app.add_subcommand(name, what);
-    sub->footer(std::string("example: lab-send ") + example);
-    return sub;
-  };
-  CLI::App* goal_verb =
-      verb("goal",
-           "Moves the reference to a configuration, or a frame to a place, from where it is, without a jump.",
-           "goal --frame effector_body --position 0.5,0.1,0.6 --rpy 0,1.57,0 --duration 2");
+CLI::App* add_verb(CLI::App& app, const char* name, const char* what, const char* example) {
+  CLI::App* sub = app.add_subcommand(name, what);
+  sub->footer(std::string("example: lab-send ") + example);
+  return sub;
+}
+
+void add_goal(CLI::App& app, Words& words) {
+  CLI::App* goal = add_verb(
+      app, "goal",
+      "Moves the reference to a configuration, or a frame to a pose, from where it is, without a jump.",
+      "goal --frame effector_body --position 0.5,0.1,0.6 --rpy 0,1.57,0 --duration 2");
   CLI::Option* q =
-      goal_verb->add_option("q", words, "a number for every joint (rad, m), or JOINT=VALUE for some")
+      goal->add_option("q", words.list, "a number for every joint (rad, m), or JOINT=VALUE for some")
           ->allow_extra_args();
   CLI::Option* frame =
-      goal_verb->add_option("--frame", place.frame, "of the robot, that shall go to a place in the world")
+      goal->add_option("--frame", words.place.frame, "of the robot, to move to a pose in the world")
           ->excludes(q);
-  CLI::Option* position = goal_verb->add_option("--position", place.position, "x,y,z in m")->needs(frame);
+  CLI::Option* position = goal->add_option("--position", words.place.position, "x,y,z in m")->needs(frame);
   CLI::Option* rpy =
-      goal_verb->add_option("--rpy", place.rpy, "roll,pitch,yaw in rad (default: any orientation)")
+      goal->add_option("--rpy", words.place.rpy, "roll,pitch,yaw in rad (default: any orientation)")
           ->needs(position);
-  goal_verb->add_option("--quaternion", place.quaternion, "x,y,z,w instead of --rpy")
+  goal->add_option("--quaternion", words.place.quaternion, "x,y,z,w instead of --rpy")
       ->needs(position)
       ->excludes(rpy);
-  goal_verb->add_option("--duration", duration,
-                        "s (default: as fast as planner.speed, half, of the speed limits allows)");
-  CLI::App* set_verb = verb("set", "Changes a value of a process while it runs.", "set controller kp=80");
-  set_verb->add_option("process", target, "such as controller")->required();
-  set_verb->add_option("assignment", assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")
+  goal->add_option("--duration", words.duration,
+                   "s (default: as fast as planner.speed, half, of the speed limits allows)");
+  goal->positionals_at_end(false);
+}
+
+void add_verbs(CLI::App& app, Words& words) {
+  add_goal(app, words);
+  CLI::App* set = add_verb(app, "set", "Changes a value of a process while it runs.", "set controller kp=80");
+  set->add_option("process", words.target, "such as controller")->required();
+  set->add_option("assignment", words.assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")
       ->required();
-  CLI::App* push_verb = verb("push", "Pushes a frame with a force (N) and a torque (Nm) in world axes.",
-                             "push effector_body 20 0 0 --for 0.2");
-  push_verb->add_option("frame", target, "of the robot")->required();
-  push_verb->add_option("wrench", words, "FX FY FZ [NX NY NZ]")->required()->allow_extra_args();
-  push_verb->add_option("--for", seconds, "s (default 0.1)");
-  CLI::App* payload_verb = verb("payload",
-                                "Fixes a mass to a frame of the simulated robot, in place of what it "
-                                "carried; the controller does not know.",
-                                "payload effector_body 2 --com 0,0,0.1");
-  payload_verb->add_option("frame", target, "of the robot")->required();
-  payload_verb->add_option("mass", mass, "kg; 0 takes it off")->required();
-  payload_verb->add_option("--com", com, "x,y,z in the frame, m (default: at its origin)");
-  verb("estop", "Emergency stop: the robot is held until rearm.", "estop");
-  verb("rearm", "Lets the controller drive again.", "rearm");
-  verb("pause", "Freezes time.", "pause");
-  verb("resume", "Lets time go on.", "resume");
-  verb("reset", "Ends the run and starts a new one (real time).", "reset");
-  CLI::App* step_verb = verb("step", "Takes some steps while paused.", "step 10");
-  step_verb->add_option("count", count, "steps (default 1)");
-  for (CLI::App* sub : {goal_verb, push_verb, step_verb}) sub->positionals_at_end(false);
+  CLI::App* push = add_verb(app, "push", "Pushes a frame with a force (N) and a torque (Nm) in world axes.",
+                            "push effector_body 20 0 0 --for 0.2");
+  push->add_option("frame", words.target, "of the robot")->required();
+  push->add_option("wrench", words.list, "FX FY FZ [NX NY NZ]")->required()->allow_extra_args();
+  push->add_option("--for", words.seconds, "s (default 0.1)");
+  push->positionals_at_end(false);
+  CLI::App* payload = add_verb(app, "payload",
+                               "Fixes a mass to a frame of the simulated robot, in place of what it "
+                               "carried; the controller does not know.",
+                               "payload effector_body 2 --com 0,0,0.1");
+  payload->add_option("frame", words.target, "of the robot")->required();
+  payload->add_option("mass", words.mass, "kg; 0 takes it off")->required();
+  payload->add_option("--com", words.com, "x,y,z in the frame, m (default: at its origin)");
+  add_verb(app, "estop", "Emergency stop: the robot is held until rearm.", "estop");
+  add_verb(app, "rearm", "Lets the controller drive again.", "rearm");
+  add_verb(app, "pause", "Freezes time.", "pause");
+  add_verb(app, "resume", "Lets time go on.", "resume");
+  add_verb(app, "reset", "Ends the run and starts a new one (real time).", "reset");
+  CLI::App* step = add_verb(app, "step", "Takes some steps while paused.", "step 10");
+  step->add_option("count", words.count, "steps (default 1)");
+  step->positionals_at_end(false);
+}
+
+int send_goal(Guest& guest, const Options& options, const Words& words) {
+  if (!words.place.frame.empty()) return request(guest, options, goal(words.place, words.duration));
+  if (words.list.empty())
+    throw UsageError("goal: needs a number for every joint, JOINT=VALUE, or --frame and --position");
+  if (!names_joints(words.list)) return request(guest, options, goal(words.list, words.duration));
+  run_t known{};
+  std::vector<double> current;
+  if (!read_run_and_reference(guest, known, current)) return no_answer(options);
+  return request(guest, options,
+                 goal(words.list, words.duration, known.joint_names, current, followers_of(known)));
+}
+
+int send_verb(const std::string& verb, const Options& options, const Words& words) {
+  Guest guest(options);
+  if (verb == "goal") return send_goal(guest, options, words);
+  if (verb == "reset" && !bind_to_run(guest)) return no_answer(options);
+  if (verb == "set") return request(guest, options, set(words.target, words.assignment));
+  if (verb == "push") return request(guest, options, push(words.target, words.list, words.seconds));
+  if (verb == "payload") return request(guest, options, payload(words.target, words.mass, words.com));
+  if (verb == "step") return request(guest, options, steps(words.count));
+  return request(guest, options, plain(verb));
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Sends one request to the simulator of a running lab and prints the answer.", "lab-send"};
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 2 usage, 7 refused or not confirmed.\nexample: lab-send goal 0.1 -0.4 0.8 0 0.2 0 "
+      "--duration 2");
+  Options options;
+  Words words;
+  add_options(app, options);
+  add_verbs(app, words);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -260,25 +302,7 @@ int run(int argc, char** argv) {
 
   return guarded_main("lab-send", [&] {
     try {
-      const std::string name = app.get_subcommands().front()->get_name();
-      Guest guest(options);
-      if (name == "goal" && !place.frame.empty()) return request(guest, options, goal(place, duration));
-      if (name == "goal" && words.empty())
-        throw UsageError("goal: needs a number for every joint, JOINT=VALUE, or --frame and --position");
-      if (name == "goal" && names_joints(words)) {
-        run_t known{};
-        std::vector<double> current;
-        if (!learn(guest, known, current)) return nobody(options);
-        return request(guest, options,
-                       goal(words, duration, known.joint_names, current, followers_of(known)));
-      }
-      if (name == "reset" && !bind_to_run(guest)) return nobody(options);
-      if (name == "goal") return request(guest, options, goal(words, duration));
-      if (name == "set") return request(guest, options, set(target, assignment));
-      if (name == "push") return request(guest, options, push(target, words, seconds));
-      if (name == "payload") return request(guest, options, payload(target, mass, com));
-      if (name == "step") return request(guest, options, steps(count));
-      return request(guest, options, plain(name));
+      return send_verb(app.get_subcommands().front()->get_name(), options, words);
     } catch (const UsageError& error) {
       fmt::print(stderr, "lab-send: {}\n", error.what());
       return int{kUsage};

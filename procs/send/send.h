@@ -1,3 +1,4 @@
+// Words of a command line as an action, and the simulator's answer in words.
 #pragma once
 #include <lab/reply_t.hpp>
 #include <map>
@@ -8,10 +9,9 @@
 
 #include "lab/signals/signals.h"
 
-/// What a person types, as an action; and what came of it, in words.
 namespace lab::send {
 
-/// One clear line about what was typed.
+/// One line about what is wrong with the command line.
 struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -25,7 +25,7 @@ Action goal(std::span<const std::string> words, double duration);
 Action goal(std::span<const std::string> words, double duration, const std::vector<std::string>& joints,
             const std::vector<double>& current, const std::map<std::string, std::string>& followers = {});
 
-/// Where a frame shall be in the world, as typed: "x,y,z" in m; "roll,pitch,yaw" in rad or "x,y,z,w", or neither when any
+/// A target pose of a frame in the world, as typed: "x,y,z" in m; "roll,pitch,yaw" in rad or "x,y,z,w", or neither when any
 /// orientation will do.
 struct Place {
   std::string frame, position, rpy, quaternion;

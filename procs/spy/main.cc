@@ -1,4 +1,4 @@
-// lab-spy: what is said on a bus, decoded at run time.
+// lab-spy: shows the messages on a bus, decoded at run time.
 #include <fmt/format.h>
 #include <fnmatch.h>
 
@@ -30,13 +30,14 @@ struct Options {
   bool as_json = false, once = false;
 };
 
-/// Calls `heard` for every message for that long (us; negative = until interrupted), or until it returns false.
-void listen(Bus& bus, Micros span, const std::function<bool(const Datagram&)>& heard) {
+/// Calls `handle` for every message for that long (us; negative = until interrupted), or until it returns false.
+void listen(Bus& bus, Micros span, const std::function<bool(const Datagram&)>& handle) {
   const Micros until = monotonic_now() + span;
   for (bool go = true; go && !interrupted;) {
     const Micros left = span < 0 ? kRepeat : until - monotonic_now();
     if (left <= 0) return;
-    bus.poll(std::min(left, kRepeat), [&](const Datagram& datagram) { go = go && heard(datagram); }, kNoSpin);
+    bus.poll(
+        std::min(left, kRepeat), [&](const Datagram& datagram) { go = go && handle(datagram); }, kNoSpin);
   }
 }
 

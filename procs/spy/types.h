@@ -1,3 +1,4 @@
+// The message types that a spy can decode.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,3 +1,6 @@
+// The bus: publish and poll, nothing else. Two back ends: our own single-threaded endpoint that speaks LCM's UDPM wire
+// format (udpm://), and liblcm for every other URL and on request. Both pass the same conformance tests. One bus belongs
+// to one thread.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -9,9 +12,6 @@
 #include <utility>
 #include <vector>
 
-/// The bus: publish and poll, nothing else. Two back ends: our own single-threaded endpoint that speaks LCM's
-/// UDPM wire format (udpm://), and liblcm for every other URL and on request. Both pass the same conformance
-/// tests. One bus belongs to one thread.
 namespace lab {
 
 /// One message as it arrives. The views are valid until the handler returns.
@@ -32,7 +32,7 @@ struct BusCounters {
                      ///< Gaps are seen only without a channel list: what the filter drops leaves gaps too
   int64_t overflow =
       0;  ///< packets the kernel dropped on a full receive buffer; -1 = not known (with a channel list)
-  int64_t malformed = 0;    ///< packets that are not LCM's, or lie about their size
+  int64_t malformed = 0;    ///< packets that are not LCM's, or whose sizes are inconsistent
   int64_t send_failed = 0;  ///< messages the kernel did not take (firewall, full queue)
   int64_t faulted = 0;      ///< packets that the fault hook dropped
 };
@@ -45,10 +45,10 @@ struct FaultHook {
 
 struct BusOptions {
   /// Wire names wanted; empty = all. On the own endpoint the kernel then drops everything else, and what this
-  /// bus itself sent, so that the process is not woken for it. liblcm cannot tell: there a process hears
-  /// itself.
+  /// bus itself sent, so that the process is not woken for it. liblcm cannot tell senders apart: there a process receives its own
+  /// messages.
   std::vector<std::string> channels;
-  int recv_buf_size = 8 << 20;      ///< bytes asked of the kernel; the URL's recv_buf_size goes first
+  int recv_buf_size = 8 << 20;      ///< bytes asked of the kernel; the URL's recv_buf_size has precedence
   uint32_t max_message = 64 << 20;  ///< larger messages are refused, also as a claim in a fragment's header
   FaultHook drop;                   ///< env LAB_FAULT_DROP=percent,seed when probability is 0
 };
@@ -57,18 +57,18 @@ class Bus {
  public:
   virtual ~Bus() = default;
   /// Sends one message. Never waits longer than a millisecond; what the kernel does not take is counted.
-  /// Throws std::invalid_argument for a channel name that is empty or longer than 63 bytes.
+  /// Throws std::invalid_argument for a channel name that is empty or longer than kMaxChannelName bytes.
   virtual void publish(std::string_view channel, std::span<const uint8_t> data) = 0;
   /// Hands every message that waits to the handler, at most about a thousand; waits up to timeout_us for the
   /// first (0 = does not wait, negative = for ever). Returns how many. A signal ends the wait early with 0.
   /// The handler may publish and may throw; after a throw the rest of the messages comes with the next poll.
-  /// A reader in no hurry is woken less often: after its wake-up it sleeps batch_us more before it looks.
-  /// One in a hurry (0) looks for some 30 us without sleeping: in lockstep the answer is that near. -1: sleep at once.
+  /// batch_us > 0: after its wake-up the process sleeps that much longer before it reads, so that it is woken less
+  /// often. 0: it first spins for about 30 us, within which the answer arrives in lockstep. -1: it sleeps at once.
   virtual int poll(int64_t timeout_us, const Handler& handler, int64_t batch_us = 0) = 0;
   virtual BusCounters counters() const = 0;
-  /// One line for people: back end, address, receive buffer asked and granted.
+  /// One line of text: back end, address, receive buffer asked and granted.
   virtual std::string describe() const = 0;
-  /// Readable when messages wait: for somebody else's ppoll.
+  /// Readable when messages wait: for a ppoll of the caller's own.
   virtual int fd() const = 0;
 };
 

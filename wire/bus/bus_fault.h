@@ -1,10 +1,10 @@
+// What both back ends of the bus share: the fault hook and the rule for channel names.
 #pragma once
 #include <cstdint>
 #include <string_view>
 
 #include "wire/bus/bus.h"
 
-/// What both back ends share: the fault hook and the rule for channel names.
 namespace lab {
 
 /// Throws std::invalid_argument unless it is 1..63 bytes without NUL.
@@ -13,7 +13,7 @@ void check_channel_name(std::string_view channel);
 /// Env LAB_FAULT_DROP=percent[,seed]; throws BusError when it is set to something else.
 FaultHook fault_from_env();
 
-/// Says of one packet after the other whether to drop it: the same answers for the same seed.
+/// Decides for each packet whether to drop it: the same sequence for the same seed.
 class FaultDice {
  public:
   explicit FaultDice(FaultHook hook) : state_(hook.seed), threshold_(hook.probability) {}

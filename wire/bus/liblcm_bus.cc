@@ -80,7 +80,7 @@ class LiblcmBus : public Bus {
   void subscribe(const std::string& pattern) {
     lcm_subscription_t* s = lcm_subscribe(lcm_, pattern.c_str(), &LiblcmBus::receive, this);
     if (!s) throw BusError("bus '" + url_ + "': liblcm cannot subscribe (its own message is on stderr)");
-    // liblcm would keep the oldest 30 and drop the rest without a word
+    // liblcm would keep the oldest 30 and silently drop the rest
     lcm_subscription_set_queue_capacity(s, 0);
   }
 

@@ -1,3 +1,4 @@
+// The liblcm back end of the bus.
 #pragma once
 #include <memory>
 
@@ -6,7 +7,7 @@
 namespace lab {
 
 /// The liblcm back end, for every URL that liblcm knows. Throws BusError.
-/// Hears what it sends itself; cannot see senders or losses.
+/// It receives its own messages and cannot see senders or losses.
 std::unique_ptr<Bus> open_liblcm(const BusUrl& url, const BusOptions& options);
 
 }  // namespace lab

@@ -25,10 +25,10 @@ namespace {
 
 using namespace udpm;
 
-constexpr int kBatch = 16;          // packets a system call
-constexpr int64_t kSpin = 30;       // us to look for the next packet before the sleep
-constexpr int kMostPerPoll = 1024;  // messages, so that a flood cannot hold the caller for ever
-constexpr size_t kMostSenders = 4096;
+constexpr int kBatch = 16;         // packets a system call
+constexpr int64_t kSpin = 30;      // us to look for the next packet before the sleep
+constexpr int kMaxPerPoll = 1024;  // messages, bounds the time of one poll
+constexpr size_t kMaxSenders = 4096;
 constexpr int32_t kRestarted = 1000;  // a sequence number so far back means a new process on an old port
 
 int64_t now_us() {
@@ -74,7 +74,7 @@ class UdpmBus : public Bus {
     bool known = false;
     uint32_t next = 0;  // sequence number expected
     int64_t unreported = 0;
-    bool ignoring = false;  // fragments of a message nobody wants
+    bool ignoring = false;  // fragments of a message that is not wanted
     uint32_t ignored = 0;
   };
 
@@ -155,7 +155,7 @@ void UdpmBus::open_send() {
   if (send_.fd < 0) fail("socket");
   if (setsockopt(send_.fd, IPPROTO_IP, IP_MULTICAST_TTL, &ttl_, sizeof ttl_) < 0) fail("IP_MULTICAST_TTL");
   const int size = 1 << 20;
-  setsockopt(send_.fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);  // a wish
+  setsockopt(send_.fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);  // asked of the kernel
   if (connect(send_.fd, reinterpret_cast<const sockaddr*>(&group_), sizeof group_) < 0)
     fail("connect", kNoRoute);
   sockaddr_in own{};
@@ -171,14 +171,14 @@ void UdpmBus::open_receive() {
   const int one = 1;
   setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
   setsockopt(fd, SOL_SOCKET, SO_REUSEPORT, &one, sizeof one);
-  // root may go beyond net.core.rmem_max; for all others the kernel clamps without a word, so look
+  // root may go beyond net.core.rmem_max; for all others the kernel clamps silently, so read it back
   if (options_.recv_buf_size > 0 &&
       setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &options_.recv_buf_size, sizeof(int)) < 0) {
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &options_.recv_buf_size, sizeof(int));
   }
   socklen_t length = sizeof granted_;
   getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &granted_, &length);
-  granted_ /= 2;  // the kernel doubles the wish for its own needs
+  granted_ /= 2;  // the kernel doubles the value for its own needs
   if (!options_.channels.empty()) {
     // before bind, so that nothing unwanted is in the queue
     auto program =
@@ -201,7 +201,7 @@ bool UdpmBus::send(iovec* parts, size_t n) {
   for (int attempt = 0; attempt < 3; ++attempt) {
     if (sendmsg(send_.fd, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0) return true;
     if (errno == EINTR) continue;
-    if (errno != EAGAIN && errno != ENOBUFS) return false;  // EPERM of a firewall among them
+    if (errno != EAGAIN && errno != ENOBUFS) return false;  // such as EPERM of a firewall
     pollfd p{send_.fd, POLLOUT, 0};
     const timespec limit = to_timespec(500);
     ppoll(&p, 1, &limit, nullptr);
@@ -221,12 +221,12 @@ void UdpmBus::publish(std::string_view channel, std::span<const uint8_t> data) {
   uint8_t header[kFragmentHeader];
   store_big_endian(header + 4, sequence_++);
   bool ok = true;
-  if (name.iov_len + data.size() <= kMostShort) {
+  if (name.iov_len + data.size() <= kMaxShort) {
     store_big_endian(header, kShort);
     iovec parts[3] = {{header, kShortHeader}, name, {bytes, data.size()}};
     ok = send(parts, 3);
   } else {
-    const size_t count = (name.iov_len + data.size() + kMostFragment - 1) / kMostFragment;
+    const size_t count = (name.iov_len + data.size() + kMaxFragment - 1) / kMaxFragment;
     store_big_endian(header, kFragment);
     store_big_endian(header + 8, static_cast<uint32_t>(data.size()));
     store_big_endian(header + 18, static_cast<uint16_t>(count));
@@ -234,7 +234,7 @@ void UdpmBus::publish(std::string_view channel, std::span<const uint8_t> data) {
     for (size_t i = 0; i < count && ok; ++i) {
       store_big_endian(header + 12, static_cast<uint32_t>(offset));
       store_big_endian(header + 16, static_cast<uint16_t>(i));
-      const size_t n = std::min(data.size() - offset, i == 0 ? kMostFragment - name.iov_len : kMostFragment);
+      const size_t n = std::min(data.size() - offset, i == 0 ? kMaxFragment - name.iov_len : kMaxFragment);
       iovec parts[3] = {{header, kFragmentHeader}, name, {bytes + offset, n}};
       if (i > 0) parts[1] = parts[2];
       ok = send(parts, i == 0 ? 3 : 2);
@@ -271,7 +271,7 @@ int UdpmBus::poll(int64_t timeout_us, const Handler& handler, int64_t batch_us) 
     if (!wait(left, batch_us)) return 0;
     if (const int n = drain(handler); n > 0) return n;
     if (timeout_us < 0) continue;
-    left = deadline - now_us();  // packets came, but no message for us
+    left = deadline - now_us();  // packets, but no wanted message
     if (left <= 0) return 0;
   }
 }
@@ -280,7 +280,7 @@ int UdpmBus::drain(const Handler& handler) {
   int handled = 0;
   for (;;) {
     while (next_ < filled_) handled += take(next_++, handler);
-    if (handled >= kMostPerPoll) return handled;
+    if (handled >= kMaxPerPoll) return handled;
     if (filled_ > 0 && drained_) {
       filled_ = next_ = 0;
       return handled;
@@ -310,7 +310,7 @@ bool UdpmBus::wanted(std::string_view channel) const {
          std::find(options_.channels.begin(), options_.channels.end(), channel) != options_.channels.end();
 }
 
-// Handles one packet; 1 when it made a message for the handler.
+// Handles one packet; 1 when it completed a message for the handler.
 int UdpmBus::take(size_t i, const Handler& handler) {
   if (dice_.drop()) {
     ++counters_.faulted;
@@ -323,7 +323,7 @@ int UdpmBus::take(size_t i, const Handler& handler) {
   }
   const uint64_t key = key_of(from_[i]);
   if (!options_.channels.empty() && key == self_) return 0;
-  if (senders_.size() >= kMostSenders && !senders_.contains(key)) senders_.clear();
+  if (senders_.size() >= kMaxSenders && !senders_.contains(key)) senders_.clear();
   Sender& sender = senders_[key];
   note_sequence(sender, packet->sequence);
   std::string_view channel = packet->channel;

@@ -1,3 +1,4 @@
+// Our own back end of the bus: LCM's UDPM wire format on one socket.
 #pragma once
 #include <memory>
 

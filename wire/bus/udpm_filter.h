@@ -1,3 +1,4 @@
+// A socket filter in the kernel for the channels that a bus wants.
 #pragma once
 #include <linux/filter.h>
 

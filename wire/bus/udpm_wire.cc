@@ -4,11 +4,10 @@
 #include <cstring>
 
 #include "core/util/big_endian.h"
+#include "wire/schema/channel_name.h"
 
 namespace lab::udpm {
 namespace {
-
-constexpr size_t kMaxChannelName = 63;
 
 // Splits off the channel name; false when it does not end or is too long.
 bool take_channel(std::span<const uint8_t>& rest, std::string_view& channel) {

@@ -1,3 +1,7 @@
+// LCM's UDPM wire format, as liblcm 1.3.1 speaks it; big endian.
+// Short: magic LC02, sequence number, channel, NUL, data. Fragment: magic LC03, sequence number, size of the data, offset
+// of this part, number of this part, number of parts; then, in part 0 only, channel and NUL; then the part. The sequence
+// number counts the sender's messages.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -6,10 +10,6 @@
 #include <string_view>
 #include <vector>
 
-/// LCM's UDPM wire format, as liblcm 1.3.1 speaks it; big endian.
-/// Short: magic LC02, sequence number, channel, NUL, data. Fragment: magic LC03, sequence number, size of the
-/// data, offset of this part, number of this part, number of parts; then, in part 0 only, channel and NUL;
-/// then the part. The sequence number counts the sender's messages.
 namespace lab::udpm {
 
 inline constexpr uint32_t kShort = 0x4c433032;
@@ -30,7 +30,7 @@ struct Packet {
   uint16_t number = 0, parts = 1;
 };
 
-/// Nothing when the bytes are not a packet of this format or lie about their size.
+/// Nothing when the bytes are not a packet of this format or its sizes are inconsistent.
 std::optional<Packet> parse_packet(std::span<const uint8_t> bytes);
 
 /// A message put together from its fragments.
@@ -47,7 +47,7 @@ struct Assembly {
   uint64_t age = 0;
 };
 
-/// Half-done messages, bounded in number per sender, in all, and in bytes: the oldest is given up first.
+/// Half-done messages, bounded in number per sender, in all, and in bytes: the oldest is dropped first.
 /// Parts may come in any order and twice.
 class Assembler {
  public:

@@ -1,3 +1,5 @@
+// Reads LCM event logs, also damaged ones and ones that still grow.
+// An event: 0xEDA1DA01, number (8), time in us (8), channel length (4), data length (4), channel, data; big endian.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -5,9 +7,6 @@
 #include <string_view>
 #include <vector>
 
-/// Reads LCM event logs, also damaged ones and ones that still grow.
-/// An event: 0xEDA1DA01, number (8), time in us (8), channel length (4), data length (4), channel, data; big
-/// endian.
 namespace lab {
 
 struct LogEvent {
@@ -39,13 +38,13 @@ class LogReader {
   const std::vector<Gap>& skipped() const { return skipped_; }
   /// Offset behind the last event given: what a writer that resumes should cut to.
   uint64_t position() const { return position_; }
-  /// Bytes behind position() when next() last said no: an event that is cut off, or still being written.
+  /// Bytes behind position() when next() last returned false: an event that is cut off, or still being written.
   uint64_t tail() const { return tail_; }
   /// Goes on from that offset.
   void seek(uint64_t offset);
 
   static constexpr uint32_t kMaxData = 64 << 20;  ///< a longer claim is damage
-  static constexpr uint32_t kMaxChannel = 255;
+  static constexpr uint32_t kMaxChannel = 255;    ///< more than kMaxChannelName: other writers may be laxer
 
  private:
   enum class Look { Good, Bad, Cut };

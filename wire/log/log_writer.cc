@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "core/util/big_endian.h"
+#include "wire/schema/channel_name.h"
 
 namespace lab {
 namespace {
@@ -80,8 +81,9 @@ void LogWriter::open(int flags) {
 }
 
 void LogWriter::add(int64_t utime, std::string_view channel, std::span<const uint8_t> data) {
-  if (channel.empty() || channel.size() > 63)
-    throw std::invalid_argument(part_ + ": channel name must have 1 to 63 bytes");
+  if (channel.empty() || channel.size() > kMaxChannelName)
+    throw std::invalid_argument(part_ + ": channel name must have 1 to " + std::to_string(kMaxChannelName) +
+                                " bytes");
   append_big_endian(buffer_, kMagic);
   append_big_endian(buffer_, next_number_++);
   append_big_endian(buffer_, utime);

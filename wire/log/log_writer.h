@@ -1,3 +1,5 @@
+// Writes LCM event logs that stock tools read. The file is called PATH.part until finish(): a half-written log never
+// carries the final name.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -5,8 +7,6 @@
 #include <string_view>
 #include <vector>
 
-/// Writes LCM event logs that stock tools read. The file is called PATH.part until finish(): a half-written
-/// log never carries the final name.
 namespace lab {
 
 class LogWriter {
@@ -44,7 +44,7 @@ class LogWriter {
 
 /// PATH.part
 std::string part_name(const std::string& path);
-/// Syncs PATH.part (already written by somebody) and renames it to PATH; throws with path and reason.
+/// Syncs PATH.part, which the caller has written, and renames it to PATH; throws with path and reason.
 void publish_file(const std::string& path);
 
 }  // namespace lab

@@ -19,7 +19,8 @@
 namespace lab {
 namespace {
 
-constexpr Micros kEarly = 50;  // before a tick the process is awake and looks: a sleep may end that much late
+constexpr Micros kEarly =
+    50;  // us before a tick that the process wakes up and spins: a sleep may end that much late
 
 Micros clock_now(clockid_t clock) {
   timespec t;
@@ -62,7 +63,7 @@ int host_pid() {
   return pid;
 }
 
-/// Asks the kernel for what real time needs; says what it refused.
+/// Asks the kernel for what real time needs; prints what is refused.
 void go_realtime(const std::string& name, int urgency) {
   prctl(PR_SET_TIMERSLACK, 1UL);
   const sched_param wanted{.sched_priority = 40 + urgency};
@@ -70,7 +71,8 @@ void go_realtime(const std::string& name, int urgency) {
   if (sched_setscheduler(0, SCHED_FIFO, &wanted) < 0) missing = "SCHED_FIFO";
   if (mlockall(MCL_CURRENT | MCL_FUTURE) < 0) missing += missing.empty() ? "mlockall" : " and mlockall";
   if (!missing.empty())
-    fmt::print(stderr, "lab-{}: no right to {} here: ticks come later under load (see scripts/lab doctor)\n",
+    fmt::print(stderr,
+               "lab-{}: not permitted to use {}: ticks come later under load (see scripts/lab doctor)\n",
                name, missing);
 }
 
@@ -130,7 +132,7 @@ void Participant::receive(Role& role, const Datagram& datagram) {
 }
 
 int Participant::run(Role& role) {
-  std::string said;
+  std::string published_state;
   Micros next_process = 0;
   bool stopping = false, urgent = false;
   const auto finish = [&](int exit_code, const std::string& reason) {
@@ -165,10 +167,10 @@ int Participant::run(Role& role) {
         go_realtime(options_.name, role.urgency());
       }
       if (woken) note_loop(now - woken);
-      if (now >= next_process || role.state() != said) {
-        said = role.state();
+      if (now >= next_process || role.state() != published_state) {
+        published_state = role.state();
         next_process = now + kRepeat;
-        publish_process(role, said);
+        publish_process(role, published_state);
       }
     }
     publish_process(role, role.outcome().exit_code == kOk ? "STOPPING" : "FAULT");

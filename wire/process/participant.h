@@ -1,3 +1,4 @@
+// The shell around a role, and the only place where a process of the lab meets socket, clock and signals.
 #pragma once
 #include <array>
 #include <memory>
@@ -18,14 +19,13 @@ struct ParticipantOptions {
   std::vector<Channel> channels;  ///< to listen to; empty: all
 };
 
-/// The shell around a role: the only place where a process of the lab meets socket, clock and signals.
-/// Guards every message both ways, publishes PROCESS, turns SIGINT and SIGTERM into Role::stop (a second one ends
+/// Runs a role: guards every message both ways, publishes PROCESS, turns SIGINT and SIGTERM into Role::stop (a second one ends
 /// the process at once).
 class Participant {
  public:
   /// Opens the bus; throws BusError.
   explicit Participant(ParticipantOptions options);
-  /// What the role publishes through. Throws PublishRefused for a message that the guard turns down.
+  /// What the role publishes through. Throws PublishRefused for a message that the guard refuses.
   Publish publish();
   /// Runs until the role has ended. Prints a failure's reason to stderr. Returns the exit code.
   int run(Role& role);

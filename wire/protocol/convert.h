@@ -1,3 +1,5 @@
+// Between the plain values of steps and the messages on the wire. Header fields (utime, run, step, extras) are the
+// caller's, except where they are arguments.
 #pragma once
 #include <cmath>
 #include <lab/action_t.hpp>
@@ -9,8 +11,6 @@
 
 #include "lab/signals/signals.h"
 
-/// Between the plain values of steps and the messages on the wire. Header fields (utime, run, step, extras) are the
-/// caller's, except where they are arguments.
 namespace lab {
 
 /// Simulation time of a step, us.

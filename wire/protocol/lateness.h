@@ -1,3 +1,4 @@
+// A histogram of how late ticks were.
 #pragma once
 #include <algorithm>
 #include <array>

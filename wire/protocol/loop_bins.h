@@ -1,9 +1,9 @@
+// Bins of loop times for histograms over a whole run: 0, 1, 2, 3 us each its own, from there on four an octave, so that a
+// bin is at most a quarter of its time wide. PROCESS carries the counts.
 #pragma once
 #include <bit>
 #include <cstdint>
 
-/// Bins of loop times for histograms over a whole run: 0, 1, 2, 3 us each its own, from there on four an octave, so that
-/// a bin is at most a quarter of its time wide. PROCESS carries the counts.
 namespace lab {
 
 inline constexpr int kLoopBins = 84;  ///< the last from 3.7 s on

@@ -29,7 +29,7 @@ class LockstepPlanner : public LockstepFollower {
   LockstepPlanner(FollowerContext& context, PlanStep plan)
       : LockstepFollower(context), plan_(std::move(plan)) {}
 
-  /// References far ahead leave time to make several per wake-up.
+  /// A long lead leaves time to make several references per wake-up.
   Micros batch() const override { return setup().lead >= 16 ? 100 : 0; }
 
  private:

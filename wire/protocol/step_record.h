@@ -1,3 +1,4 @@
+// The bytes of one step as they go into log.lcm, and a ring of them.
 #pragma once
 #include <cstdint>
 #include <map>

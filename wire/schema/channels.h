@@ -1,3 +1,5 @@
+// The table of channels: what each carries and what may be in it. A new message is one .lcm file and one row here; the
+// guard, the logger and the bus filters follow this table.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -5,8 +7,6 @@
 #include <string>
 #include <string_view>
 
-/// Every channel of the lab, one row each: what it carries and what may be in it. A new message is one .lcm
-/// file and one row here; the guard, the logger and the bus filters follow this table.
 namespace lab {
 
 enum class Channel : uint8_t {
@@ -36,7 +36,7 @@ struct ChannelRow {
   std::string_view type;  ///< package and struct of the message
   uint32_t max_bytes;     ///< of an encoded message
   LogFile log_file;
-  bool any_run;               ///< run 0 = "whoever is here" is accepted
+  bool any_run;               ///< run 0 = "any lab on this bus" is accepted
   std::string_view nq_field;  ///< field that must equal the robot's nq; empty = no rule
   std::string_view nv_field;  ///< the same for nv
 };
@@ -61,7 +61,7 @@ inline constexpr std::array<ChannelRow, kChannels> kChannelTable{{
 constexpr const ChannelRow& row(Channel channel) { return kChannelTable[static_cast<size_t>(channel)]; }
 
 /// The channel of that wire name; none if it is not the lab's. A name that starts with `prefix` is looked up
-/// without it; with a non-empty prefix any other name is a stranger.
+/// without it; with a non-empty prefix any other name is not found.
 constexpr std::optional<Channel> channel_of(std::string_view name, std::string_view prefix = {}) {
   if (!name.starts_with(prefix)) return std::nullopt;
   name.remove_prefix(prefix.size());

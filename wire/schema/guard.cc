@@ -67,7 +67,7 @@ Verdict Guard::check(Channel channel, std::span<const uint8_t> bytes) const {
   verdict.head = {load_big_endian<int64_t>(&bytes[8]), load_big_endian<int64_t>(&bytes[16]),
                   load_big_endian<int64_t>(&bytes[24])};
   static_assert(kHeadBytes == 32);
-  // another robot's message is foreign first, whatever its sizes
+  // the run is checked before the sizes: another robot's message is foreign
   if (run_ != 0 && verdict.head.run != run_ && !(r.any_run && verdict.head.run == 0)) {
     verdict.kind = Verdict::Foreign;
     verdict.reason = std::string(r.name) + ": run " + std::to_string(verdict.head.run) + ", this one is " +

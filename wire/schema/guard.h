@@ -1,3 +1,5 @@
+// The guard before every decode and every publish: generated decoders get no message that it refuses (they allocate
+// before they check), and no message that it would refuse is published.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -8,8 +10,6 @@
 #include "wire/schema/channels.h"
 #include "wire/schema/schema.h"
 
-/// The guard that stands before every decode and before every publish: no generated decoder sees a message
-/// that it refused (they allocate before they check), and nobody publishes what it would refuse.
 namespace lab {
 
 /// The three numbers every message starts with.

@@ -9,7 +9,7 @@ namespace lab {
 namespace {
 
 constexpr int kMaxCounts = 32;            // members of one struct that count others
-constexpr int kMaxHashSteps = 1'000'000;  // a hostile tree of types must not cost an hour
+constexpr int kMaxHashSteps = 1'000'000;  // bounds the time for types that nest each other
 
 uint8_t width_of(Kind kind) {
   switch (kind) {
@@ -31,7 +31,7 @@ uint8_t width_of(Kind kind) {
   }
 }
 
-// Product that sticks at a number no message can hold.
+// Product, saturated at a number that no message can hold.
 uint64_t times(uint64_t a, uint64_t b) {
   constexpr uint64_t kTooMany = uint64_t{1} << 60;
   return b != 0 && a > kTooMany / b ? kTooMany : a * b;
@@ -47,7 +47,7 @@ uint64_t fixed_count(const Field& f) {
   return n;
 }
 
-// Fingerprints as lcm-gen's generated code computes them: own hash plus those of the struct members, turned
+// Fingerprints as lcm-gen's generated code computes them: own hash plus those of the struct members, rotated
 // left by one; a type met again below itself counts 0.
 class Fingerprints {
  public:
@@ -143,6 +143,30 @@ Schema::Schema(std::vector<Source> sources) : sources_(std::move(sources)) {
   compile();
 }
 
+// The operation for a member of that kind; `counts`: it is the size of an array.
+Schema::Op::Code Schema::code_of(Kind kind, bool counts) {
+  switch (kind) {
+    case Kind::Boolean:
+      return Op::Bool;
+    case Kind::Float:
+      return Op::Float;
+    case Kind::Double:
+      return Op::Double;
+    case Kind::String:
+      return Op::String;
+    case Kind::Struct:
+      return Op::Call;
+    case Kind::Int8:
+    case Kind::Int16:
+    case Kind::Int32:
+    case Kind::Int64:
+    case Kind::Byte:
+    case Kind::Enum:
+      break;
+  }
+  return counts ? Op::Count : Op::Skip;
+}
+
 // Turns each type into a flat list of operations: what the walker runs.
 void Schema::compile() {
   for (const Type& t : types_) {
@@ -164,25 +188,7 @@ void Schema::compile() {
       Op op;
       op.field = static_cast<int32_t>(i);
       op.width = width_of(f.kind);
-      switch (f.kind) {
-        case Kind::Boolean:
-          op.code = Op::Bool;
-          break;
-        case Kind::Float:
-          op.code = Op::Float;
-          break;
-        case Kind::Double:
-          op.code = Op::Double;
-          break;
-        case Kind::String:
-          op.code = Op::String;
-          break;
-        case Kind::Struct:
-          op.code = Op::Call;
-          break;
-        default:
-          op.code = slot[i] >= 0 ? Op::Count : Op::Skip;
-      }
+      op.code = code_of(f.kind, slot[i] >= 0);
       op.type = f.type;
       if (slot[i] >= 0) op.slot = static_cast<uint8_t>(slot[i]);
       if (is_fixed(f)) {

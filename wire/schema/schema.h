@@ -1,3 +1,6 @@
+// The .lcm language at run time: parses type texts, knows lcm-gen's fingerprints, walks encoded messages (the guard before
+// the generated decoders) and decodes them to trees (spy, log tools). Source: the language and the hash as lcm-gen 1.3.1
+// has them.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -9,9 +12,6 @@
 
 #include "wire/schema/value.h"
 
-/// The .lcm language at run time: parses type texts, knows lcm-gen's fingerprints, walks encoded messages
-/// (the guard before the generated decoders) and decodes them to trees (spy, log tools). Source: the language
-/// and the hash as lcm-gen 1.3.1 has them.
 namespace lab {
 
 /// What a member is made of.
@@ -80,8 +80,8 @@ class Schema {
   /// bounded, strings end in NUL, booleans are 0 or 1, nothing is left over. No allocation unless it refuses.
   std::string check(const Type& type, std::span<const uint8_t> bytes, CheckOptions options = {}) const;
 
-  /// The message as a tree. Throws std::invalid_argument with check's reason (both options off:
-  /// a spy wants to see such things).
+  /// The message as a tree. Throws std::invalid_argument with check's reason (with both options off:
+  /// a spy must show such messages).
   Value decode(const Type& type, std::span<const uint8_t> bytes) const;
 
   /// Where a scalar member starts in the message, in bytes after its first, when all before it has a fixed
@@ -104,6 +104,7 @@ class Schema {
   struct Program {
     uint32_t begin = 0, end = 0;  // in ops_
   };
+  static Op::Code code_of(Kind kind, bool counts);
   void compile();
 
   std::vector<Source> sources_;

@@ -1,11 +1,11 @@
+// The parser behind Schema: one text in, declarations out. Names of types are completed with the package but not yet
+// resolved.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "wire/schema/schema.h"
 
-/// The parser behind Schema: one text in, declarations out. Names of types are completed with the package but
-/// not yet resolved.
 namespace lab {
 
 struct Declarations {

@@ -1,3 +1,4 @@
+// A message as a tree, decoded at run time: what spies and log tools show.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -6,7 +7,6 @@
 #include <variant>
 #include <vector>
 
-/// A message as a tree, decoded at run time: what spies and log tools show.
 namespace lab {
 
 struct Member;
