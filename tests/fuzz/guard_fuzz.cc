@@ -17,6 +17,7 @@
 
 #include "tests/fuzz/fuzz.h"
 #include "wire/schema/codec.h"
+#include "wire/schema/guard.h"
 
 namespace lab::fuzz {
 namespace {

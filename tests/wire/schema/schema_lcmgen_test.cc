@@ -16,6 +16,7 @@
 #include <wiretest/torture_t.hpp>
 
 #include "wire/schema/codec.h"
+#include "wire/schema/guard.h"
 #include "wire/schema/schema.h"
 
 namespace {
