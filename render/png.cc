@@ -1,8 +1,6 @@
 #include "render/png.h"
 
-#include <fcntl.h>
 #include <png.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -10,9 +8,10 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <stdexcept>
+
+#include "core/util/atomic_file.h"
 
 namespace lab::render {
 namespace {
@@ -138,23 +137,6 @@ void check(const Pixels& pixels, const PngTexts& texts) {
   }
 }
 
-// All bytes into the file, or an errno.
-int write_file(const std::string& path, const std::string& bytes) {
-  const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (fd < 0) return errno;
-  int error = 0;
-  for (size_t done = 0; done < bytes.size() && error == 0;) {
-    const ssize_t n = ::write(fd, bytes.data() + done, bytes.size() - done);
-    if (n >= 0) {
-      done += static_cast<size_t>(n);
-    } else if (errno != EINTR) {
-      error = errno;
-    }
-  }
-  if (close(fd) != 0 && error == 0) error = errno;
-  return error;
-}
-
 void write(const std::string& path, const Pixels& pixels, const PngTexts& texts) {
   check(pixels, texts);
   std::vector<png_text> chunks;
@@ -171,16 +153,8 @@ void write(const std::string& path, const Pixels& pixels, const PngTexts& texts)
   if (!encode(&job, pixels, chunks.data(), static_cast<int>(chunks.size())))
     throw std::runtime_error(path + ": cannot encode PNG: " + (job.error[0] ? job.error : "out of memory"));
 
-  const std::filesystem::path target(path);
-  std::string name(1, '.');
-  name.append(target.filename().string()).append(".part");
-  const std::string part = (target.parent_path() / name).string();
-  int error = write_file(part, job.bytes);
-  if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) {
-    std::remove(part.c_str());
+  if (const int error = write_and_rename(path, hidden_part(path), job.bytes, false).error; error != 0)
     throw std::runtime_error(path + ": cannot write picture: " + reason(error));
-  }
 }
 
 }  // namespace

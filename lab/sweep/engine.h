@@ -8,22 +8,6 @@
 
 namespace lab::sweep {
 
-/// How far it is, on stderr: a bar that stays on its line if that is a terminal, else a line every ten seconds.
-class Progress {
- public:
-  Progress(int64_t total, bool quiet);
-  ~Progress();
-  /// `done` of all, `fresh` of them in this life, which tells the time left.
-  void show(int64_t done, int64_t fresh);
-
- private:
-  const int64_t total_;
-  const bool quiet_, terminal_;
-  const double began_;
-  double next_;
-  bool shown_ = false;
-};
-
 /// Finds the result of each of these runs, into rows[run]; with `run_missing` runs those that have none, on so many
 /// threads. Values that cannot be run make a row that says so. Ends early when interrupted. Throws if results cannot
 /// be written.

@@ -12,6 +12,7 @@
 
 #include "core/util/atomic_file.h"
 #include "core/util/interrupt.h"
+#include "core/util/progress.h"
 #include "core/util/shell_quote.h"
 #include "lab/sweep/engine.h"
 
@@ -68,7 +69,7 @@ void run_on_slurm(const SlurmJob& job, Results& results, int64_t total, int64_t 
     throw std::runtime_error("sbatch failed: " + (said.text.empty() ? "no answer" : said.text));
   if (!quiet) fmt::print(stderr, "lab sweep: Slurm job {} of {} tasks\n", id, job.tasks);
 
-  Progress progress(total, quiet);
+  Progress progress(total, {.line_name = "lab sweep", .quiet = quiet});
   const int64_t before = total - missing;
   const auto known = static_cast<int64_t>(results.size());
   for (int silent = 0; in_queue(id, silent);) {

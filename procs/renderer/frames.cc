@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 
+#include "core/util/atomic_file.h"
 #include "render/png.h"
 
 namespace lab::renderer {
@@ -17,18 +17,10 @@ namespace {
 
 constexpr size_t kCells = 12;  // of a contact sheet made of frames
 
-/// As render::write_png: the final name is taken only by a whole file.
 void write_floats(const std::string& path, const std::vector<float>& values) {
-  const std::filesystem::path target(path);
-  const std::string part = (target.parent_path() / ("." + target.filename().string() + ".part")).string();
-  std::FILE* file = std::fopen(part.c_str(), "wb");
-  int error = file ? 0 : errno;
-  if (file && std::fwrite(values.data(), sizeof(float), values.size(), file) != values.size()) error = errno;
-  if (file && std::fclose(file) != 0 && error == 0) error = errno;
-  if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
-  if (error == 0) return;
-  std::remove(part.c_str());
-  throw std::runtime_error(path + ": cannot write depths: " + std::strerror(error));
+  const std::string_view bytes(reinterpret_cast<const char*>(values.data()), sizeof(float) * values.size());
+  if (const int error = write_and_rename(path, hidden_part(path), bytes, false).error; error != 0)
+    throw std::runtime_error(path + ": cannot write depths: " + std::strerror(error));
 }
 
 render::PngTexts with(render::PngTexts first, const render::PngTexts& second) {

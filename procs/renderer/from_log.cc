@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "core/util/number.h"
+#include "core/util/progress.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "procs/renderer/frames.h"
 #include "procs/renderer/logged.h"
-#include "procs/renderer/progress.h"
 #include "procs/renderer/video.h"
 #include "procs/renderer/workers.h"
 #include "wire/protocol/role.h"
@@ -22,6 +22,11 @@ namespace fs = std::filesystem;
 using Moments = std::vector<Moment>;
 
 constexpr double kVideoRate = 30;  // pictures per second of a film, unless said
+
+/// Bars below each other line up; short jobs have none.
+Progress::Style bar(const std::string& label) {
+  return {.label = fmt::format("{:<9}", label), .keep = true, .shown_above = 10};
+}
 
 /// The experiment with the looks of the run's own experiment.yaml, and over them those of the command line.
 Experiment experiment_of(const FromLog& job, const Logged& logged, const std::string& path,
@@ -131,15 +136,15 @@ struct Scratch {
 void draw_frames(const FromLog& job, const Stage& stage, const Moments& moments, const std::string& folder,
                  bool say, const render::PngTexts& about) {
   const auto count = static_cast<int64_t>(moments.size());
-  Progress progress("pictures", count);
+  Progress progress(count, bar("pictures"));
   draw_all(
       count, job.workers ? job.workers : sensible_workers(count),
       [&]() -> std::unique_ptr<Worker> {
         return std::make_unique<FrameWorker>(stage, moments, job, folder, about);
       },
       [&](int64_t index) {
-        progress.at(index + 1);
-        if (say && !progress.shown()) fmt::print("{}\n", frame_path(folder, index));
+        progress.show(index + 1);
+        if (say && !progress.on_terminal()) fmt::print("{}\n", frame_path(folder, index));
       });
 }
 
@@ -226,8 +231,8 @@ int render_log(const FromLog& job) {
   }
   if (!job.video.empty()) {
     const auto count = static_cast<int64_t>(moments.size());
-    Progress progress("video   ", count);
-    write_video(job.video, folder, count, fps, "run " + run, [&](int64_t done) { progress.at(done); });
+    Progress progress(count, bar("video"));
+    write_video(job.video, folder, count, fps, "run " + run, [&](int64_t done) { progress.show(done); });
     fmt::print("{}\n", job.video);
   }
   const int64_t ghosts = job.ghost.value_or(job.times.empty() && !scratch ? experiment.renderer.ghost : 0);

@@ -14,6 +14,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/util/atomic_file.h"
+
 extern char** environ;
 
 namespace lab::renderer {
@@ -65,9 +67,8 @@ void need_ffmpeg() {
 
 void write_video(const std::string& path, const std::string& folder, int64_t count, double fps,
                  const std::string& title, const std::function<void(int64_t done)>& progress) {
-  const std::filesystem::path target =
-      std::filesystem::absolute(path);  // ffmpeg runs in the pictures' folder
-  const std::string part = (target.parent_path() / ("." + target.filename().string() + ".part")).string();
+  // ffmpeg runs in the pictures' folder
+  const std::string part = hidden_part(std::filesystem::absolute(path).string());
   std::string complaint;
   // Even sides and 4:2:0 with BT.709 is what every player takes. No stamp of when or by which encoder: same film, same bytes.
   const int code = run({"ffmpeg",

@@ -9,10 +9,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <stdexcept>
 
+#include "core/util/atomic_file.h"
 #include "render/mesh/mesh_file.h"
 #include "render/mesh/texture.h"
 
@@ -195,20 +195,8 @@ void keep_small(const fs::path& folder) {
 void store(const fs::path& entry, const std::string& bytes) {
   std::error_code error;
   fs::create_directories(entry.parent_path(), error);
-  const fs::path part = entry.string() + ".part" + std::to_string(getpid());
-  {
-    std::ofstream out(part, std::ios::binary);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.flush();
-    if (!out) {
-      out.close();
-      fs::remove(part, error);
-      return;
-    }
-  }
-  fs::rename(part, entry, error);
-  if (error) fs::remove(part, error);
-  keep_small(entry.parent_path());
+  const std::string part = entry.string() + ".part" + std::to_string(getpid());
+  if (write_and_rename(entry.string(), part, bytes, false).error == 0) keep_small(entry.parent_path());
 }
 
 MeshFile make(const std::string& path, const MeshOptions& options) {
