@@ -16,8 +16,8 @@ struct WriteOutcome {
   bool created = false;  ///< `part` could be created
 };
 
-/// Writes the bytes to `part` and renames it to `path`, on the same file system. After an error `part` is gone and
-/// `path` as it was. `sync`: on disk before it has its name, which takes milliseconds.
+/// Writes the bytes to `part` and renames it to `path`, on the same file system. After an error `part` is gone
+/// and `path` as it was. `sync`: on disk before it has its name, which takes milliseconds.
 WriteOutcome write_and_rename(const std::string& path, const std::string& part, std::string_view bytes,
                               bool sync);
 

@@ -84,7 +84,7 @@ std::set<std::string> links_below(const std::string& root, const Tree& tree) {
   return reached;
 }
 
-// A link that the root does not reach is in a ring of links, or hangs on one: walks up until a link repeats.
+// A link that the root does not reach is in a ring of links, or below one: walks up until a link repeats.
 void report_ring(const std::string& link, const Tree& tree, Report& report) {
   const auto above = [&](const std::string& name) { return tree.above.at(name)->parent.link; };
   std::set<std::string> seen;

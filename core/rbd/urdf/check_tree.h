@@ -1,5 +1,4 @@
-// What links and joints must be together: one tree, names the model does not need itself, mimics that lead
-// somewhere.
+// Checks of links and joints together: one tree, no name that the model reserves, valid mimics.
 #pragma once
 
 #include <string>
@@ -16,7 +15,7 @@ std::string check_tree(const Description& robot, Report& report);
 void check_names(const Description& robot, bool floating_base, Report& report);
 
 // Mimic joints: leaders that exist and move, no cycles, one degree of freedom. `honoured`: the model will
-// have them as followers; otherwise each is told to be free.
+// have them as followers; otherwise a note says that each is free.
 void check_mimic(const Description& robot, bool honoured, Report& report);
 
 }  // namespace rbd::urdf

@@ -51,7 +51,7 @@ struct Mimic {
   std::string leader;
   double multiplier = 1, offset = 0;
   int line = 0;
-  std::vector<Diagnostic> faults;  // of its own text; told when mimics are checked, after the tree
+  std::vector<Diagnostic> faults;  // in its own text; reported by check_mimic, after the checks of the tree
 };
 
 struct Joint {

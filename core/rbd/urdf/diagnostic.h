@@ -1,4 +1,4 @@
-// What was found while a robot file was read: values, so that nothing is printed and nobody can miss them.
+// What was found while a robot file was read: diagnostics are values, nothing is printed.
 #pragma once
 
 #include <iosfwd>
@@ -9,7 +9,7 @@
 namespace rbd::urdf {
 
 enum class Severity {
-  Note,     // left out or adapted, as everybody does: <gazebo> blocks, an axis that was normalised
+  Note,     // left out or adapted, as other readers do: <gazebo> blocks, an axis that was normalised
   Warning,  // usable, but look at it: a mesh that is missing, a moving link without mass
   Error     // refused
 };

@@ -145,7 +145,7 @@ void read_dynamics(const XMLElement& element, const std::string& owner, Joint& j
   read("friction", joint.friction);
 }
 
-// Nothing computes with a safety controller; what contradicts itself or the limits is told all the same.
+// No algorithm uses a safety controller; contradictions within it or with the limits are reported anyway.
 void check_safety(const XMLElement& element, const std::string& owner, const Joint& joint, Report& report) {
   const XMLElement* safety = element.FirstChildElement("safety_controller");
   if (!safety) return;

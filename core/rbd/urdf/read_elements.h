@@ -6,7 +6,7 @@
 
 namespace rbd::urdf {
 
-// Reports what is wrong within one element: names, masses, kinds, axes, limits, numbers that are none. Use the
+// Reports what is wrong within one element: names, masses, kinds, axes, limits, malformed numbers. Use the
 // result only if no error was reported.
 Description read_elements(const tinyxml2::XMLElement& robot, Report& report);
 

@@ -22,7 +22,7 @@ std::vector<LinkShape> read_shapes(const tinyxml2::XMLElement& robot, Report& re
 
 // Where a mesh URI may lie, in the order tried:
 //   package://P/x, model://P/x: in each of package_dirs, LAB_PACKAGE_PATH, ROS_PACKAGE_PATH (D/P/x, or D/x
-//     if D is called P), AMENT_PREFIX_PATH (D/share/P/x), then in the folders from the URDF upwards (as above)
+//     if D is called P), AMENT_PREFIX_PATH (D/share/P/x), then in the folders from the URDF upwards (as first)
 //   file:///x, /x: as it is
 //   x: beside the URDF, then in each of package_dirs
 // `urdf` is the path of the URDF file; a bare name without any folder has none of the last kind but ".".

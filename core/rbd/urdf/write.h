@@ -11,8 +11,8 @@ namespace rbd::urdf {
 // same joints by name, with their kinds, placements, limits, damping, friction and mimics, and the same
 // bodies and frames by name; every algorithm gives the same numbers to rounding. In detail:
 //   - joints come back in load's order: depth first, siblings by name. A loaded model keeps its order.
-//   - each moving joint and each frame becomes a link; links, fixed joints and their names are kept. Frames of
-//     other types (OP_FRAME, SENSOR) come back as links on a fixed joint NAME_fixed; a joint whose moving
+//   - each moving joint and each frame becomes a link; links, fixed joints and their names are kept. Frames
+//     of other types (OP_FRAME, SENSOR) come back as links on a fixed joint NAME_fixed; a joint whose moving
 //     part has no link of its own gets one, NAME_link, and the ground "world".
 //   - inertias are written link by link; where they no longer add up to what a joint moves (setInertia), all
 //     of it goes to the link at the joint.

@@ -123,7 +123,7 @@ struct PassedOver {
            const std::string& hint = "") {
     ++kinds.try_emplace(what, Kind{severity, line, 0, owner, hint}).first->second.count;
   }
-  void tell(Report& report) const {
+  void report_to(Report& report) const {
     for (const auto& [what, kind] : kinds) {
       const std::string more = kind.count > 1 ? " (" + std::to_string(kind.count) + " times)" : "";
       report.add(kind.severity, kind.line, kind.owner, what + " is not read" + more + kind.hint);
@@ -177,10 +177,6 @@ void walk(const XMLElement& element, const Grammar& grammar, const std::string& 
     }
   }
 }
-
-}  // namespace
-
-namespace {
 
 // Where the first bytes stand that are not UTF-8; npos if all are.
 size_t first_not_utf8(const std::string& text) {
@@ -275,7 +271,7 @@ void check_vocabulary(const XMLElement& robot, Report& report) {
   PassedOver passed;
   bool xacro = false;
   walk(robot, *find_grammar("robot"), owner_of(robot), passed, xacro, report);
-  passed.tell(report);
+  passed.report_to(report);
 }
 
 int line_of(const XMLElement& element, const char* attribute) {

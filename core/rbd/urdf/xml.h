@@ -29,8 +29,8 @@ int line_of(const tinyxml2::XMLElement& element, const char* attribute = nullptr
 
 inline constexpr double kNumberBound = 1e9;  // no length, mass, angle .. of a robot is larger
 
-// Numbers of `attribute`, exactly out.size() of them, finite and at most `bound` in size; false, a message and
-// `out` as it was otherwise. `owner` is how messages name it: "joint 'elbow'".
+// Numbers of `attribute`, exactly out.size() of them, finite and at most `bound` in size. Otherwise a message,
+// false, and `out` as it was. `owner` is how messages name it: "joint 'elbow'".
 bool read_numbers(const tinyxml2::XMLElement& element, const char* attribute, const std::string& owner,
                   std::span<double> out, Report& report, double bound = kNumberBound);
 bool read_number(const tinyxml2::XMLElement& element, const char* attribute, const std::string& owner,

@@ -181,7 +181,7 @@ TEST(UrdfBodies, WhatStandsOnTheGround) {
   EXPECT_TRUE(flying.model.inertias[1].isApprox(ground.model.inertias[0], 1e-15));
 }
 
-// An impossible inertia is refused where it moves alone, and told where it drowns in its body or never moves.
+// An impossible inertia is refused where it moves alone, and a warning where its body as a whole is possible or never moves.
 TEST(UrdfBodies, IndefiniteInertiaIsRefusedWhereItMatters) {
   const auto bad = [](double scale) {
     std::ostringstream out;
