@@ -20,7 +20,7 @@ int main() {
   std::cout << "tool: " << arm.inertias[6].mass() << " kg, with payload " << loaded.inertias[6].mass()
             << " kg\n";
 
-  // shared_ptr counts who holds the model; unique_ptr has one owner, who can hand it over
+  // shared_ptr counts the owners of the model; unique_ptr has one owner, and can be moved
   const auto shared = std::make_shared<const rbd::Model>(arm);
   const auto also = shared;
   std::cout << "owners of the shared model: " << shared.use_count() << "\n";

@@ -1,6 +1,6 @@
 // A robot from nothing: three joints one behind the other, and a frame for the tip.
 //
-// addJoint says: who is my parent, what kind am I, where do I stand in my parent's frame, what is my name.
+// addJoint takes the parent, the kind, the placement in the parent's frame and the name.
 #include <rbd/rbd.h>
 
 #include <iostream>

@@ -24,7 +24,7 @@ struct CopyPlan {
 
 // Where the source's things are in the target.
 struct CopyMap {
-  std::vector<JointIndex> joint;  // per joint: who carries its moving part
+  std::vector<JointIndex> joint;  // per joint: the joint that carries its moving part
   std::vector<SE3> pose;          // per joint: its moving part in the frame of that carrier
   std::vector<FrameIndex> frame;  // per frame
 };

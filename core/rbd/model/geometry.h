@@ -1,6 +1,6 @@
 // What a robot looks like: shapes rigidly attached to the joints of a Model.
 //
-// Plain data, no algorithm: the renderer draws `visual`; `collision` is kept for whoever needs it. With a
+// Plain data, no algorithm: the renderer draws `visual`; `collision` is kept for other programs. With a
 // Data after forwardKinematics, a shape stands in the world at  data.oMi[parentJoint] * placement.
 //
 // Units: metres, radians. Shapes sit in their own frame as in URDF: box centred; cylinder and capsule

@@ -40,7 +40,7 @@ class PaddedMatrix : public Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>
   }
 
  private:
-  // calloc: pages of a large matrix that nobody writes are never there
+  // calloc: pages of a large matrix that are never written take no memory
   struct Free {
     void operator()(void* p) const { std::free(p); }
   };

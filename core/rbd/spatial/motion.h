@@ -2,8 +2,8 @@
 //
 // Angular part first everywhere: constructors, toVector(), Jacobian rows. A Motion holds (w, v): rad/s and
 // m/s (or their rates), v being the velocity of the body point at the frame's origin. A Force holds (n, f): N
-// m about the frame's origin and N (or N m s and N s for a momentum). The frame is said by whoever returns
-// the value. Default construction gives zero. Source: Featherstone 2008, sections 2.2 to 2.9.
+// m about the frame's origin and N (or N m s and N s for a momentum). The function that returns it
+// states the frame. Default construction gives zero. Source: Featherstone 2008, sections 2.2 to 2.9.
 #pragma once
 
 #include "rbd/spatial/so3.h"
