@@ -21,7 +21,7 @@ const std::vector<std::pair<std::string, View>>& named_views() {
 }
 
 // What has to be in the picture: the box's corners, for an orbit at many angles about its vertical axis.
-std::vector<Vector3d> must_see(const Bounds& box, bool all_around) {
+std::vector<Vector3d> points_to_frame(const Bounds& box, bool all_around) {
   std::vector<Vector3d> points;
   const int angles = all_around ? 36 : 1;
   for (int k = 0; k < angles; ++k) {
@@ -99,8 +99,8 @@ View view_from_name(const std::string& name) {
 Camera auto_frame(const Bounds& box, const View& view, double aspect) {
   if (!(aspect > 0.01 && aspect < 100))
     throw std::invalid_argument("camera: aspect must be between 0.01 and 100");
-  if (!std::isfinite(view.azimuth) || !(std::abs(view.elevation) <= M_PI / 2) || !std::isfinite(view.turn))
-    throw std::invalid_argument("camera: azimuth and turn must be finite, elevation between -pi/2 and pi/2");
+  if (!std::isfinite(view.azimuth) || !(std::abs(view.elevation) <= M_PI / 2) || !std::isfinite(view.orbit))
+    throw std::invalid_argument("camera: azimuth and orbit must be finite, elevation between -pi/2 and pi/2");
   if (!(view.distance > 0.01 && view.distance < 100))
     throw std::invalid_argument("camera: distance is a factor between 0.01 and 100");
   Bounds b = box;
@@ -112,7 +112,7 @@ Camera auto_frame(const Bounds& box, const View& view, double aspect) {
   const double ce = std::cos(view.elevation), se = std::sin(view.elevation);
   const Vector3d towards(ce * ca, ce * sa, se);  // from the box to the eye
   const double radius = std::max(b.diagonal().norm() / 2, 1e-3);
-  const std::vector<Vector3d> points = must_see(b, view.turn != 0);
+  const std::vector<Vector3d> points = points_to_frame(b, view.orbit != 0);
   Camera camera;
   camera.up = {-se * ca, -se * sa, ce};
   camera.target = b.center();
@@ -136,7 +136,7 @@ Camera auto_frame(const Bounds& box, const View& view, double aspect) {
       extent = std::max({extent, std::abs(c.y()), std::abs(c.x()) / aspect});
     }
     distance = std::max(distance, 1.05 * radius);
-    if (pass < 3 && view.turn == 0) {
+    if (pass < 3 && view.orbit == 0) {
       const Eigen::Vector2d off = seen.center();
       camera.target += to_camera.linear().transpose() * Vector3d(off.x(), off.y(), 0);
     }

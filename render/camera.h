@@ -32,7 +32,7 @@ struct View {
   double azimuth = -0.70;     // of the eye seen from the scene, radians about z: 0 = from +x, pi/2 = from +y
   double elevation = 0.40;    // of the eye above the horizon, radians; pi/2 = from above, with +y up
   double distance = 1;        // times the distance from which everything just fits
-  double turn = 0;            // radians a second by which the azimuth grows: an orbit
+  double orbit = 0;           // radians a second by which the azimuth grows
   bool orthographic = false;  // no perspective
 };
 
@@ -48,7 +48,7 @@ View view_from_name(const std::string& name);
 Camera auto_frame(const Bounds& box, const View& view, double aspect = 4.0 / 3);
 Camera auto_frame(const Bounds& box, const std::string& view = "iso", double aspect = 4.0 / 3);
 
-// The camera swung about the vertical through its target: an orbit is turned(framed, view.turn * seconds).
+// The camera swung about the vertical through its target: an orbit is turned(framed, view.orbit * seconds).
 Camera turned(const Camera& camera, double radians);
 // The camera carried along by a rigid motion of the world: with a translation alone it follows a frame
 // without turning; with (frame now) * (frame then).inverse() it is mounted on it.

@@ -1,18 +1,15 @@
 #include "render/context.h"
 
-// clang-format off
-#include "render/gl_entry.h"  // before osmesa.h: that brings an older header of GL
-// clang-format on
-
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <GL/osmesa.h>
 #include <dlfcn.h>
 
 #include <array>
 #include <cstdlib>
 #include <mutex>
 #include <stdexcept>
+
+#include "render/gl_entry.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // OSMesa 22.3 never frees the 160 bytes that a context's surface takes, EGL keeps its driver: not our leaks,
@@ -47,12 +44,18 @@ class Library {
   void* handle_ = nullptr;
 };
 
+// OSMesa's entry points, declared here and not by GL/osmesa.h: Mesa 25.1 ends OSMesa, and the build must not need
+// a header that is about to leave.
 struct Osmesa {
-  decltype(&OSMesaCreateContextAttribs) create;
-  decltype(&OSMesaDestroyContext) destroy;
-  decltype(&OSMesaMakeCurrent) make_current;
-  decltype(&OSMesaGetCurrentContext) current;
-  decltype(&OSMesaGetProcAddress) address;
+  using Handle = struct OsmesaHandle*;
+  // names of attributes, from GL/osmesa.h
+  static constexpr int kFormat = 0x22, kProfile = 0x33, kCoreProfile = 0x34, kMajorVersion = 0x36,
+                       kMinorVersion = 0x37;
+  Handle (*create)(const int* attributes, Handle shared);
+  void (*destroy)(Handle);
+  GLboolean (*make_current)(Handle, void* surface, GLenum type, GLsizei width, GLsizei height);
+  Handle (*current)();
+  void (*(*address)(const char* name))();
 
   static const Osmesa& get() {
     static const Osmesa loaded;
@@ -73,16 +76,16 @@ struct Osmesa {
 class OsmesaContext : public Context {
  public:
   OsmesaContext() {
-    const int wanted[] = {OSMESA_FORMAT,
-                          OSMESA_RGBA,
-                          OSMESA_PROFILE,
-                          OSMESA_CORE_PROFILE,
-                          OSMESA_CONTEXT_MAJOR_VERSION,
-                          3,
-                          OSMESA_CONTEXT_MINOR_VERSION,
-                          3,
-                          0};
-    context_ = lib_.create(wanted, nullptr);
+    const int attributes[] = {Osmesa::kFormat,
+                              GL_RGBA,
+                              Osmesa::kProfile,
+                              Osmesa::kCoreProfile,
+                              Osmesa::kMajorVersion,
+                              3,
+                              Osmesa::kMinorVersion,
+                              3,
+                              0};
+    context_ = lib_.create(attributes, nullptr);
     if (!context_) throw std::runtime_error("gives no OpenGL 3.3 core context");
   }
   ~OsmesaContext() override { lib_.destroy(context_); }
@@ -91,7 +94,7 @@ class OsmesaContext : public Context {
 
   void make_current() override {
     if (lib_.current() == context_) return;
-    // OSMesa wants a surface although everything goes to frame buffer objects: a tiny one will do.
+    // OSMesa needs a surface although everything is drawn into frame buffer objects: a tiny one is enough.
     if (!lib_.make_current(context_, surface_.data(), GL_UNSIGNED_BYTE, kSide, kSide))
       throw std::runtime_error("OSMesa cannot make its context current in this thread");
   }
@@ -101,7 +104,7 @@ class OsmesaContext : public Context {
  private:
   static constexpr int kSide = 4;
   const Osmesa& lib_ = Osmesa::get();
-  OSMesaContext context_;
+  Osmesa::Handle context_;
   std::array<unsigned char, kSide * kSide * 4> surface_{};
 };
 
@@ -143,20 +146,20 @@ struct Egl {
 class EglContext : public Context {
  public:
   EglContext() {
-    const EGLint config_wish[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
-                                  EGL_NONE};
-    const EGLint context_wish[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                   3,
-                                   EGL_CONTEXT_MINOR_VERSION,
-                                   3,
-                                   EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                   EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                   EGL_NONE};
+    const EGLint config_attributes[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
+                                        EGL_OPENGL_BIT, EGL_NONE};
+    const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                         3,
+                                         EGL_CONTEXT_MINOR_VERSION,
+                                         3,
+                                         EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                         EGL_NONE};
     EGLConfig config = nullptr;
     EGLint count = 0;
-    if (lib_.bind_api(EGL_OPENGL_API) && lib_.choose_config(lib_.display, config_wish, &config, 1, &count) &&
-        count == 1)
-      context_ = lib_.create(lib_.display, config, EGL_NO_CONTEXT, context_wish);
+    if (lib_.bind_api(EGL_OPENGL_API) &&
+        lib_.choose_config(lib_.display, config_attributes, &config, 1, &count) && count == 1)
+      context_ = lib_.create(lib_.display, config, EGL_NO_CONTEXT, context_attributes);
     if (context_ == EGL_NO_CONTEXT) throw std::runtime_error("gives no OpenGL 3.3 core context");
   }
   ~EglContext() override {
@@ -186,13 +189,13 @@ std::unique_ptr<Context> make() {
   return std::make_unique<Kind>();
 }
 
-struct Way {
+struct Backend {
   const char *key, *name;
   std::unique_ptr<Context> (*make)();
   void* (*address)(const char*);
 };
-constexpr Way kWays[] = {{"osmesa", "OSMesa", make<OsmesaContext>, OsmesaContext::address},
-                         {"egl", "EGL", make<EglContext>, EglContext::address}};
+constexpr Backend kBackends[] = {{"osmesa", "OSMesa", make<OsmesaContext>, OsmesaContext::address},
+                                 {"egl", "EGL", make<EglContext>, EglContext::address}};
 
 }  // namespace
 
@@ -204,24 +207,24 @@ void GlEntry::load(void* (*find)(const char*)) {
 
 std::unique_ptr<Context> Context::create() {
   static std::mutex mutex;
-  static const Way* chosen = nullptr;  // entry points are the process'
+  static const Backend* chosen = nullptr;  // entry points are the process'
   const std::lock_guard lock(mutex);
   if (chosen) return chosen->make();
-  const char* wish = std::getenv("LAB_GL");
-  const std::string only = wish ? wish : "";
+  const char* setting = std::getenv("LAB_GL");
+  const std::string only = setting ? setting : "";
   std::string answers;
   bool known = only.empty();
-  for (const Way& way : kWays) {
-    if (!only.empty() && only != way.key) continue;
+  for (const Backend& backend : kBackends) {
+    if (!only.empty() && only != backend.key) continue;
     known = true;
     try {
-      auto context = way.make();
+      auto context = backend.make();
       context->make_current();
-      GlEntry::load(way.address);
-      chosen = &way;
+      GlEntry::load(backend.address);
+      chosen = &backend;
       return context;
     } catch (const std::exception& e) {
-      answers += (answers.empty() ? "" : "; ") + std::string(way.name) + ": " + e.what();
+      answers += (answers.empty() ? "" : "; ") + std::string(backend.name) + ": " + e.what();
     }
   }
   if (!known) throw std::runtime_error("LAB_GL must be osmesa or egl, not '" + only + "'");

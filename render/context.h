@@ -1,5 +1,5 @@
 // Where OpenGL comes from, without a screen: OSMesa (software), or EGL on Mesa's surfaceless platform (software
-// too where there is no GPU; OSMesa has left Mesa in 25.1). Both are looked for at run time. Everything is
+// too where there is no GPU; Mesa 25.1 ends OSMesa). Both are looked for at run time. Everything is
 // drawn into frame buffer objects, so a context needs no surface.
 #pragma once
 
@@ -14,7 +14,7 @@ class Context {
   virtual void make_current() = 0;  // for the calling thread; throws std::runtime_error
   virtual std::string name() const = 0;
 
-  // A core profile context of at least OpenGL 3.3: OSMesa if it can be had, else EGL; the environment variable
+  // A core profile context of at least OpenGL 3.3: OSMesa if it is there, else EGL; the environment variable
   // LAB_GL=osmesa or LAB_GL=egl allows only that one. The first choice holds for the whole process. Throws
   // std::runtime_error, one line that says what was tried and what each answered.
   static std::unique_ptr<Context> create();

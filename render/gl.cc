@@ -56,11 +56,11 @@ Program::Program(const char* name, const std::string& defines, const char* verte
 }
 
 int Program::location(const char* uniform) const {
-  const auto known = places_.find(uniform);
-  if (known != places_.end()) return known->second;
+  const auto known = locations_.find(uniform);
+  if (known != locations_.end()) return known->second;
   const int place = glGetUniformLocation(id_, uniform);
   if (place < 0) throw std::logic_error(std::string("shader ") + name_ + " has no uniform " + uniform);
-  return places_[uniform] = place;
+  return locations_[uniform] = place;
 }
 
 void Program::set(const char* uniform, float value) const { glUniform1f(location(uniform), value); }
@@ -104,7 +104,7 @@ unsigned make_framebuffer(unsigned colour, unsigned depth) {
     glReadBuffer(GL_NONE);
   }
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw std::runtime_error("OpenGL gives no frame buffer of the wanted size");
+    throw std::runtime_error("OpenGL has no frame buffer of this size");
   return id;
 }
 

@@ -71,7 +71,8 @@ Image contact_sheet(const std::vector<Image>& images, const std::vector<std::str
   for (const Image& image : images) {
     if (image.rgb.size() != static_cast<size_t>(image.width) * image.height * 3)
       throw std::invalid_argument("contact sheet: a picture's bytes do not match its size");
-    cell_width = std::max(cell_width, image.width), cell_height = std::max(cell_height, image.height);
+    cell_width = std::max(cell_width, image.width);
+    cell_height = std::max(cell_height, image.height);
   }
   const int scale = std::max(1, cell_width / 180), gap = 4 * scale;
   const int caption = labels.empty() ? 0 : kGlyphRows * scale + gap;

@@ -27,7 +27,7 @@ Vector4f clamped(const Vector4f& rgba) { return rgba.cwiseMax(0.f).cwiseMin(1.f)
 
 }  // namespace
 
-Items collect(const Scene& scene, const Sight& sight, MeshStore& meshes) {
+Items collect(const Scene& scene, const ViewFrame& view, MeshStore& meshes) {
   Items items;
   struct Order {
     double distance;
@@ -42,9 +42,9 @@ Items collect(const Scene& scene, const Sight& sight, MeshStore& meshes) {
       if (!part.mesh || part.mesh->indices.empty()) continue;
       check(body, part);
       const Affine3d world_from_part = Affine3d(body.pose * part.pose) * Eigen::Scaling(part.scale);
-      const Vector4f viewer = (world_from_part.inverse().matrix() * sight.eye).cast<float>();
+      const Vector4f viewer = (world_from_part.inverse().matrix() * view.eye).cast<float>();
       const double distance =
-          sight.depth_from_world.dot((world_from_part * part.mesh->bounds.center()).homogeneous());
+          view.depth_from_world.dot((world_from_part * part.mesh->bounds.center()).homogeneous());
       const Buffers& mesh = meshes.get(part.mesh);
       bool open = false;
       for (size_t s = 0; s < part.mesh->surfaces.size(); ++s) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "render/mesh_store.h"
-#include "render/sight.h"
+#include "render/view_frame.h"
 
 namespace lab::render {
 
@@ -39,6 +39,6 @@ struct Items {
 };
 
 // Throws std::invalid_argument for a pose, scale or colour that is not finite, naming the body.
-Items collect(const Scene& scene, const Sight& sight, MeshStore& meshes);
+Items collect(const Scene& scene, const ViewFrame& view, MeshStore& meshes);
 
 }  // namespace lab::render

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "render/mesh/primitives.h"
+
 namespace lab::render {
 namespace {
 
@@ -24,7 +26,7 @@ Body annotation(const char* name) {
   return body;
 }
 
-// The frame at `origin` whose z axis has the direction of `z`; x and y lie anyhow.
+// The frame at `origin` whose z axis has the direction of `z`; x and y are arbitrary.
 Isometry3d along(const Vector3d& origin, const Vector3d& z) {
   Isometry3d frame = Isometry3d::Identity();
   frame.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), z).toRotationMatrix();
@@ -117,76 +119,6 @@ Vector4f mix(const std::vector<Vector4f>& stops, double t) {
 }
 
 }  // namespace
-
-Body make_trace(const std::vector<Vector3d>& points, const std::vector<Vector4f>& colours, double radius) {
-  need(positive(radius), "trace: the radius must be positive and finite");
-  need(colours.size() == points.size() || colours.size() == 1,
-       "trace: one colour for each point, or one for all");
-  Body body = annotation("trace");
-  std::vector<size_t> kept;  // points that moved enough to give a direction
-  for (size_t i = 0; i < points.size(); ++i) {
-    need(points[i].allFinite(), "trace: a point is not finite");
-    if (kept.empty() || (points[i] - points[kept.back()]).norm() > 0.05 * radius) kept.push_back(i);
-  }
-  if (kept.size() < 2) return body;
-
-  // Rings of vertices, carried along without twist. At a bend the ring lies in the plane that halves it.
-  constexpr int kSides = 10;
-  auto tube = std::make_shared<Mesh>();
-  const auto colour_at = [&](size_t k) { return colours.size() == 1 ? colours[0] : colours[kept[k]]; };
-  const auto ring = [&](const Vector3d& centre, const Vector3d& x, const Vector3d& y, const Vector3d& lean,
-                        double r, const Vector4f& colour) {
-    for (int i = 0; i < kSides; ++i) {
-      const double a = 2 * M_PI * i / kSides;
-      const Vector3d out = std::cos(a) * x + std::sin(a) * y;
-      const Vector3d p = centre + r * out;
-      tube->positions.push_back(p.cast<float>());
-      tube->normals.push_back((out + lean).normalized().cast<float>());
-      tube->colours.push_back(colour);
-      tube->bounds.extend(p);
-    }
-    const uint32_t here = static_cast<uint32_t>(tube->positions.size()) - kSides;
-    for (uint32_t i = 0; here > 0 && i < kSides; ++i) {
-      const uint32_t j = (i + 1) % kSides, before = here - kSides;
-      tube->indices.insert(tube->indices.end(),
-                           {before + i, before + j, here + i, before + j, here + j, here + i});
-    }
-  };
-  // Round ends: the same rings, shrinking to a point.
-  const auto cap = [&](const Vector3d& centre, const Vector3d& x, const Vector3d& y, const Vector3d& outwards,
-                       bool start, const Vector4f& colour) {
-    for (int k = 0; k < 4; ++k) {
-      const double a = M_PI / 2 * (start ? 4 - k : k + 1) / 4;  // 0 at the rim, pi/2 at the tip
-      const double r = k == (start ? 0 : 3) ? 1e-3 : std::cos(a);
-      ring(centre + radius * std::sin(a) * outwards, x, y, std::tan(std::min(a, 1.5)) * outwards, r * radius,
-           colour);
-    }
-  };
-  Vector3d x = Vector3d::Zero();
-  for (size_t k = 0; k < kept.size(); ++k) {
-    const Vector3d& p = points[kept[k]];
-    const bool first = k == 0, last = k + 1 == kept.size();
-    const Vector3d into = first ? Vector3d::Zero() : Vector3d((p - points[kept[k - 1]]).normalized());
-    const Vector3d from = last ? Vector3d::Zero() : Vector3d((points[kept[k + 1]] - p).normalized());
-    Vector3d ahead = into + from;
-    if (ahead.norm() < 1e-3) ahead = first ? from : into;  // it turns back on itself
-    ahead.normalize();
-    if (first) x = ahead.unitOrthogonal();
-    x = (x - x.dot(ahead) * ahead);
-    x = x.norm() > 1e-6 ? Vector3d(x.normalized()) : Vector3d(ahead.unitOrthogonal());
-    const Vector3d y = ahead.cross(x);
-    if (first) cap(p, x, y, -ahead, true, colour_at(k));
-    ring(p, x, y, Vector3d::Zero(), radius, colour_at(k));
-    if (last) cap(p, x, y, ahead, false, colour_at(k));
-  }
-  Surface all;
-  all.count = static_cast<uint32_t>(tube->indices.size());
-  all.rgba.setOnes();
-  all.coloured = all.two_sided = true;  // sharp bends may fold
-  tube->surfaces.push_back(all);
-  body.parts.emplace_back().mesh = tube;
-  return body;
-}
 
 Body make_bead(const Vector3d& at, double radius, const Vector4f& rgba) {
   need(positive(radius) && at.allFinite(), "bead: place and radius must be finite, the radius positive");

@@ -1,30 +1,14 @@
 #include "render/mesh_store.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <stdexcept>
 
 #include "render/gl.h"
+#include "render/mesh/stand_in.h"
 
 namespace lab::render {
 namespace {
-
-constexpr size_t kFineEnough = 1500;  // triangles below which a stand-in saves nothing
-
-// Cells as wide as four triangles, but not so wide that they show at the edge of a shadow.
-Coarse stand_in(const Mesh& mesh) {
-  if (mesh.triangles() <= kFineEnough) return {mesh.positions, mesh.indices};
-  double area = 0;
-  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-    const Eigen::Vector3f& a = mesh.positions[mesh.indices[i]];
-    area +=
-        (mesh.positions[mesh.indices[i + 1]] - a).cross(mesh.positions[mesh.indices[i + 2]] - a).norm() / 2;
-  }
-  const double triangle = std::sqrt(area / static_cast<double>(mesh.triangles()));
-  const double cell = std::min(4 * triangle, mesh.bounds.diagonal().norm() / 20);
-  return coarsen(mesh, static_cast<float>(cell));
-}
 
 void fill(unsigned kind, unsigned& id, const void* data, size_t bytes) {
   glGenBuffers(1, &id);
@@ -46,7 +30,8 @@ Buffers upload(const MeshPtr& mesh) {
         "renderer: a mesh has positions, normals, uvs or colours of different numbers");
   Buffers b;
   b.alive = mesh;
-  b.has_uvs = !mesh->uvs.empty(), b.has_colours = !mesh->colours.empty();
+  b.has_uvs = !mesh->uvs.empty();
+  b.has_colours = !mesh->colours.empty();
   b.clusters = cut_into_clusters(*mesh);
   std::vector<float> data, extra;
   data.reserve(n * 6);
@@ -73,7 +58,7 @@ Buffers upload(const MeshPtr& mesh) {
        b.clusters.indices.size() * sizeof(uint32_t));
   b.clusters.indices = {};
 
-  const Coarse coarse = stand_in(*mesh);
+  const CoarseMesh coarse = shadow_stand_in(*mesh);
   b.coarse_count = static_cast<int>(coarse.indices.size());
   glGenVertexArrays(1, &b.coarse_array);
   glBindVertexArray(b.coarse_array);
@@ -142,7 +127,8 @@ void MeshStore::forget_dead() {
 size_t draw_surface(const Buffers& mesh, size_t surface, const Eigen::Vector4f& viewer) {
   static thread_local std::vector<int> counts;
   static thread_local std::vector<const void*> firsts;
-  counts.clear(), firsts.clear();
+  counts.clear();
+  firsts.clear();
   uint32_t end = ~0u;  // of the last range: neighbours are drawn in one go
   for (uint32_t i = mesh.clusters.of_surface[surface]; i < mesh.clusters.of_surface[surface + 1]; ++i) {
     const Cluster& c = mesh.clusters.all[i];

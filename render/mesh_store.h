@@ -1,4 +1,4 @@
-// Meshes and textures on OpenGL's side: uploaded at first sight, kept while somebody holds them.
+// Meshes and textures on the GL side: uploaded when first drawn, kept as long as the mesh itself is.
 #pragma once
 
 #include <unordered_map>
@@ -7,9 +7,9 @@
 
 namespace lab::render {
 
-// A mesh on the GL side. Vertex attributes: 0 position, 1 normal, 2 texture place, 3 colour (linear).
+// A mesh on the GL side. Vertex attributes: 0 position, 1 normal, 2 texture coordinate, 3 colour (linear).
 struct Buffers {
-  std::weak_ptr<const Mesh> alive;  // expired when nobody else holds the mesh any more
+  std::weak_ptr<const Mesh> alive;  // expired when the mesh is gone
   unsigned array = 0, vertices = 0, extra = 0, indices = 0;
   bool has_uvs = false, has_colours = false;
   Clusters clusters;  // without their indices: those are uploaded

@@ -47,16 +47,16 @@ class Batches {
   size_t waiting_ = 0;
 };
 
-Matrix4d clip_from_part(const Sight& sight, const Item& item) {
-  return sight.clip_from_world * item.world_from_part.matrix();
+Matrix4d clip_from_part(const ViewFrame& view, const Item& item) {
+  return view.clip_from_world * item.world_from_part.matrix();
 }
 
 // A weak light from the other side than the sun: shaded sides keep their form.
 Vector3d fill_light(const Vector3d& sun) { return Vector3d(-sun.x(), -sun.y(), 0.25).normalized(); }
 
-Vector3f disk(const Sight& sight) {
-  return {static_cast<float>(sight.floor_centre.x()), static_cast<float>(sight.floor_centre.y()),
-          static_cast<float>(sight.floor_radius)};
+Vector3f disk(const ViewFrame& view) {
+  return {static_cast<float>(view.floor_centre.x()), static_cast<float>(view.floor_centre.y()),
+          static_cast<float>(view.floor_radius)};
 }
 
 // Places on a disk that cover it evenly and without a pattern.
@@ -102,9 +102,9 @@ void Passes::triangle_over_all() {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Passes::draw_floor(const Program& program, const Sight& sight, const Ground& ground,
+void Passes::draw_floor(const Program& program, const ViewFrame& view, const Ground& ground,
                         const Eigen::AlignedBox2d& area) {
-  program.set("u_clip_from_world", to_float(sight.clip_from_world));
+  program.set("u_clip_from_world", to_float(view.clip_from_world));
   program.set("u_height", static_cast<float>(ground.height));
   const Eigen::Vector4d rectangle(area.min().x(), area.min().y(), area.max().x(), area.max().y());
   program.set("u_rectangle", Vector4f(rectangle.cast<float>()));
@@ -113,22 +113,22 @@ void Passes::draw_floor(const Program& program, const Sight& sight, const Ground
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }
 
-void Passes::background(const Sight& sight, const Ground& ground) {
+void Passes::background(const ViewFrame& view, const Ground& ground) {
   glDisable(GL_DEPTH_TEST);
   lazily(sky_, "sky", shaders::kSkyVertex, shaders::kSkyFragment)
-      .set("u_world_from_clip", to_float(sight.sight_from_clip));
+      .set("u_world_from_clip", to_float(view.ray_from_clip));
   triangle_over_all();
-  if (!sight.floor_seen) return;
+  if (!view.floor_visible) return;
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE);
   const Program& floor = lazily(floor_, "floor", shaders::kFloorVertex, shaders::kFloorFragment);
-  floor.set("u_disk", disk(sight));
+  floor.set("u_disk", disk(view));
   floor.set("u_spacing", static_cast<float>(ground.spacing));
-  draw_floor(floor, sight, ground, sight.floor());
+  draw_floor(floor, view, ground, view.floor());
   glDisable(GL_BLEND);
 }
 
-void Passes::shadow_map(const Sight& sight, const Items& items) {
+void Passes::shadow_map(const ViewFrame& view, const Items& items) {
   glViewport(0, 0, kShadowSide, kShadowSide);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
@@ -138,15 +138,15 @@ void Passes::shadow_map(const Sight& sight, const Items& items) {
   const Program& depth = lazily(depth_, "depth", shaders::kDepthVertex, shaders::kDepthFragment);
   Batches batches;
   for (const Caster& caster : items.casters) {
-    depth.set("u_clip_from_part", to_float(sight.shadow.clip_from_world * caster.world_from_part.matrix()));
+    depth.set("u_clip_from_part", to_float(view.shadow.clip_from_world * caster.world_from_part.matrix()));
     set_sides(caster.mirrored, caster.two_sided);
     batches.add(draw_coarse(*caster.mesh));
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
-void Passes::floor_shadow(const Sight& sight, const Scene& scene, unsigned shadow_map) {
-  if (!sight.floor_seen || sight.shadow.on_floor.isEmpty()) return;
+void Passes::floor_shadow(const ViewFrame& view, const Scene& scene, unsigned shadow_map) {
+  if (!view.floor_visible || view.shadow.on_floor.isEmpty()) return;
   glDisable(GL_DEPTH_TEST);
   glEnable(GL_BLEND);
   glBlendFunc(GL_DST_COLOR, GL_ZERO);
@@ -157,53 +157,54 @@ void Passes::floor_shadow(const Sight& sight, const Scene& scene, unsigned shado
              ("#define PLACES " + std::to_string(kPlaces) + "\n").c_str());
   p.set("u_shadow_depth", 2);
   p.set("u_places", sunflower());
-  p.set("u_disk", disk(sight));
+  p.set("u_disk", disk(view));
   p.set("u_sun_strength", scene.light.strength);
-  p.set("u_shadow_from_world", to_float(sight.shadow_from_world()));
+  p.set("u_shadow_from_world", to_float(view.shadow_from_world()));
   p.set("u_penumbra", Vector3f(1.2f / kShadowSide, 0.016f,
-                               static_cast<float>(kSunSize * sight.shadow.depth / sight.shadow.side)));
-  draw_floor(p, sight, scene.ground, sight.shadow.on_floor);
+                               static_cast<float>(kSunSize * view.shadow.depth / view.shadow.side)));
+  draw_floor(p, view, scene.ground, view.shadow.on_floor);
   glDisable(GL_BLEND);
 }
 
-void Passes::floor_depth(const Sight& sight, const Ground& ground) {
-  if (!sight.floor_seen) return;
+void Passes::floor_depth(const ViewFrame& view, const Ground& ground) {
+  if (!view.floor_visible) return;
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  draw_floor(lazily(floor_depth_, "floor depth", shaders::kFloorVertex, shaders::kDepthFragment), sight,
-             ground, sight.floor());
+  draw_floor(lazily(floor_depth_, "floor depth", shaders::kFloorVertex, shaders::kDepthFragment), view,
+             ground, view.floor());
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
 // The program for an item, with all that is the same for the whole frame.
-const Program& Passes::body(const Item& item, const Sight& sight, const Light& light, unsigned shadow_map) {
+const Program& Passes::body(const Item& item, const ViewFrame& view, const Light& light,
+                            unsigned shadow_map) {
   const bool textured = item.texture != 0, coloured = item.mesh->has_colours;
   std::string defines = shadow_ ? "#define SHADOW\n" : "";
   if (textured) defines += "#define TEXTURE\n";
   if (coloured) defines += "#define COLOURS\n";
   const Program& p = lazily(bodies_[textured + 2 * coloured], "body", shaders::kBodyVertex,
                             shaders::kBodyFragment, defines.c_str());
-  p.set("u_eye", Vector4f(sight.eye.cast<float>()));
-  p.set("u_sun", Vector3f(sight.sun.cast<float>()));
-  p.set("u_fill", Vector3f(fill_light(sight.sun).cast<float>()));
+  p.set("u_eye", Vector4f(view.eye.cast<float>()));
+  p.set("u_sun", Vector3f(view.sun.cast<float>()));
+  p.set("u_fill", Vector3f(fill_light(view.sun).cast<float>()));
   p.set("u_sun_strength", light.strength);
   if (textured) p.set("u_texture", 1);
   if (!shadow_) return p;
   bind(3, shadow_map);
   p.set("u_shadow_map", 3);
-  p.set("u_shadow_from_world", to_float(sight.shadow_from_world()));
+  p.set("u_shadow_from_world", to_float(view.shadow_from_world()));
   p.set("u_shadow_radius", kShadowBlur);
-  p.set("u_shadow_lift", static_cast<float>((kShadowBlur + 1.5 / kShadowSide) * sight.shadow.side));
+  p.set("u_shadow_lift", static_cast<float>((kShadowBlur + 1.5 / kShadowSide) * view.shadow.side));
   return p;
 }
 
-void Passes::draw_items(const Sight& sight, const Light& light, const std::vector<const Item*>& items,
+void Passes::draw_items(const ViewFrame& view, const Light& light, const std::vector<const Item*>& items,
                         unsigned shadow_map) {
   Batches batches;
   for (int kind = 0; kind < 4; ++kind) {  // one program after the other
     const Program* p = nullptr;
     for (const Item* item : items) {
       if ((item->texture != 0) + 2 * item->mesh->has_colours != kind) continue;
-      if (!p) p = &body(*item, sight, light, shadow_map);
+      if (!p) p = &body(*item, view, light, shadow_map);
       if (item->texture) bind(1, item->texture);
       Vector4f colour = linear(item->rgba);
       const Vector4f tint = linear(item->tint);
@@ -214,7 +215,7 @@ void Passes::draw_items(const Sight& sight, const Light& light, const std::vecto
       const float rough = item->roughness * item->roughness, a = rough * rough;
       p->set("u_colour", colour);
       p->set("u_gloss", Vector3f(a, a - 1, 0.04f / (4 * item->roughness + 2)));
-      p->set("u_clip_from_part", to_float(clip_from_part(sight, *item)));
+      p->set("u_clip_from_part", to_float(clip_from_part(view, *item)));
       p->set("u_world_from_part", to_float(item->world_from_part.matrix()));
       const Eigen::Matrix3d normals = item->world_from_part.linear().inverse().transpose();
       p->set("u_normal_from_part", Eigen::Matrix3f(normals.cast<float>()));
@@ -224,24 +225,24 @@ void Passes::draw_items(const Sight& sight, const Light& light, const std::vecto
   }
 }
 
-void Passes::solid(const Sight& sight, const Light& light, const Items& items, unsigned shadow_map) {
+void Passes::solid(const ViewFrame& view, const Light& light, const Items& items, unsigned shadow_map) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
-  draw_items(sight, light, items.solid, shadow_map);
+  draw_items(view, light, items.solid, shadow_map);
 }
 
-void Passes::glass(const Sight& sight, const Light& light, const Glass& piece, unsigned shadow_map) {
+void Passes::glass(const ViewFrame& view, const Light& light, const Glass& piece, unsigned shadow_map) {
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   // Where a ghost stands in the solid robot (its base, as a rule) the robot must win, not flicker.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(2.f, 200.f);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  draw_items(sight, light, piece, shadow_map);  // the same programs: exactly the same depths
+  draw_items(view, light, piece, shadow_map);  // the same programs: exactly the same depths
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthFunc(GL_EQUAL);
   glDepthMask(GL_FALSE);
-  draw_items(sight, light, piece, shadow_map);
+  draw_items(view, light, piece, shadow_map);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LEQUAL);
   glDisable(GL_POLYGON_OFFSET_FILL);
@@ -258,21 +259,21 @@ void Passes::average(unsigned samples) {
   glDisable(GL_BLEND);
 }
 
-void Passes::measure(const Sight& sight, const Ground& ground, const Items& items) {
+void Passes::measure(const ViewFrame& view, const Ground& ground, const Items& items) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
-  if (sight.floor_seen) {
+  if (view.floor_visible) {
     const Program& floor =
         lazily(floor_measure_, "floor measure", shaders::kFloorVertex, shaders::kFloorMeasureFragment);
-    floor.set("u_depth_from_world", Vector4f(sight.depth_from_world.cast<float>()));
-    floor.set("u_disk", disk(sight));
-    draw_floor(floor, sight, ground, sight.floor());
+    floor.set("u_depth_from_world", Vector4f(view.depth_from_world.cast<float>()));
+    floor.set("u_disk", disk(view));
+    draw_floor(floor, view, ground, view.floor());
   }
   const Program& p = lazily(measure_, "measure", shaders::kMeasureVertex, shaders::kMeasureFragment);
   for (const Item& item : items.all) {
     if (item.annotation) continue;
-    p.set("u_clip_from_part", to_float(clip_from_part(sight, item)));
-    const Eigen::Vector4d depth = item.world_from_part.matrix().transpose() * sight.depth_from_world;
+    p.set("u_clip_from_part", to_float(clip_from_part(view, item)));
+    const Eigen::Vector4d depth = item.world_from_part.matrix().transpose() * view.depth_from_world;
     p.set("u_depth_from_part", Vector4f(depth.cast<float>()));
     p.set("u_id", static_cast<float>(item.id));
     set_sides(item.mirrored, item.two_sided);

@@ -37,7 +37,7 @@ void copy(unsigned from, unsigned to, const Eigen::Array4i& area, unsigned what)
 
 // All that the picture of sky and floor depends on.
 struct BackgroundKey {
-  Eigen::Matrix4d clip_from_world, sight_from_clip;
+  Eigen::Matrix4d clip_from_world, ray_from_clip;
   Eigen::Vector4d floor;
   double spacing;
   bool operator==(const BackgroundKey&) const = default;
@@ -72,8 +72,8 @@ struct Renderer::Impl {
 
   Impl(int w, int h, Quality quality);
   void draw(const Scene& scene, const Camera& camera, Image& out);
-  void draw_background(const Scene& scene, const Sight& sight);
-  void draw_bodies(const Scene& scene, const Sight& sight, const Items& items);
+  void draw_background(const Scene& scene, const ViewFrame& view);
+  void draw_bodies(const Scene& scene, const ViewFrame& view, const Items& items);
   void read(Image& out);
   Measurement measure(const Scene& scene, const Camera& camera);
 };
@@ -109,41 +109,41 @@ Renderer::Impl::Impl(int w, int h, Quality quality)
 void Renderer::Impl::draw(const Scene& scene, const Camera& camera, Image& out) {
   context->make_current();
   meshes.forget_dead();
-  Sight sight = make_sight(scene, camera, bounds(scene), width, height);
-  const Items items = collect(scene, sight, meshes);
+  ViewFrame view = make_view_frame(scene, camera, bounds(scene), width, height);
+  const Items items = collect(scene, view, meshes);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   if (shadow) {
-    sight.shadow = fit_shadow(scene, sight.sun);
+    view.shadow = fit_shadow(scene, view.sun);
     glBindFramebuffer(GL_FRAMEBUFFER, shadow_target);
-    passes->shadow_map(sight, items);
+    passes->shadow_map(view, items);
   }
-  draw_background(scene, sight);
-  draw_bodies(scene, sight, items);
+  draw_background(scene, view);
+  draw_bodies(scene, view, items);
   read(out);
   check_gl("drawing");
 }
 
-void Renderer::Impl::draw_background(const Scene& scene, const Sight& sight) {
+void Renderer::Impl::draw_background(const Scene& scene, const ViewFrame& view) {
   glViewport(0, 0, width, height);
-  BackgroundKey key{sight.clip_from_world, sight.sight_from_clip, Eigen::Vector4d::Zero(), 0};
-  if (sight.floor_seen) {
-    key.floor << sight.floor_centre, sight.floor_radius, scene.ground.height;
+  BackgroundKey key{view.clip_from_world, view.ray_from_clip, Eigen::Vector4d::Zero(), 0};
+  if (view.floor_visible) {
+    key.floor << view.floor_centre, view.floor_radius, scene.ground.height;
     key.spacing = scene.ground.spacing;
   }
   if (drawn_background != key) {
     glBindFramebuffer(GL_FRAMEBUFFER, background);
-    passes->background(sight, scene.ground);
+    passes->background(view, scene.ground);
     drawn_background = key;
   }
   copy(background, picture, {0, 0, width, height}, GL_COLOR_BUFFER_BIT);
   if (!shadow) return;
   glBindFramebuffer(GL_FRAMEBUFFER, picture);
-  passes->floor_shadow(sight, scene, shadow_map);
+  passes->floor_shadow(view, scene, shadow_map);
 }
 
-void Renderer::Impl::draw_bodies(const Scene& scene, const Sight& sight, const Items& items) {
-  const Eigen::Array4i area = covered(sight, items.box, width, height), fine = area * samples;
+void Renderer::Impl::draw_bodies(const Scene& scene, const ViewFrame& view, const Items& items) {
+  const Eigen::Array4i area = covered_pixels(view, items.box, width, height), fine = area * samples;
   if (items.all.empty() || area[2] == 0 || area[3] == 0) return;
   glEnable(GL_SCISSOR_TEST);  // nothing happens outside
   glScissor(fine[0], fine[1], fine[2], fine[3]);
@@ -153,8 +153,8 @@ void Renderer::Impl::draw_bodies(const Scene& scene, const Sight& sight, const I
   glClear(GL_DEPTH_BUFFER_BIT | (samples > 1 ? GL_COLOR_BUFFER_BIT : 0));
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
-  if (items.box.min().z() < scene.ground.height) passes->floor_depth(sight, scene.ground);
-  passes->solid(sight, scene.light, items, shadow_map);
+  if (items.box.min().z() < scene.ground.height) passes->floor_depth(view, scene.ground);
+  passes->solid(view, scene.light, items, shadow_map);
 
   // Pieces of glass do not hide one another: each starts from the depths of what is solid.
   if (items.glass.size() > 1) {
@@ -164,7 +164,7 @@ void Renderer::Impl::draw_bodies(const Scene& scene, const Sight& sight, const I
   for (size_t i = 0; i < items.glass.size(); ++i) {
     if (i > 0) copy(saved_depth, layer, fine, GL_DEPTH_BUFFER_BIT);
     glBindFramebuffer(GL_FRAMEBUFFER, layer);
-    passes->glass(sight, scene.light, items.glass[i], shadow_map);
+    passes->glass(view, scene.light, items.glass[i], shadow_map);
   }
   if (samples > 1) {
     glBindFramebuffer(GL_FRAMEBUFFER, picture);
@@ -181,20 +181,25 @@ void Renderer::Impl::read(Image& out) {
   rgba.resize(static_cast<size_t>(width) * height * 4);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
-  out.width = width, out.height = height;
+  out.width = width;
+  out.height = height;
   out.rgb.resize(static_cast<size_t>(width) * height * 3);
   for (int y = 0; y < height; ++y) {
     const uint8_t* from = rgba.data() + static_cast<size_t>(height - 1 - y) * width * 4;
     uint8_t* to = out.at(0, y);
-    for (int x = 0; x < width; ++x, from += 4, to += 3) to[0] = from[0], to[1] = from[1], to[2] = from[2];
+    for (int x = 0; x < width; ++x, from += 4, to += 3) {
+      to[0] = from[0];
+      to[1] = from[1];
+      to[2] = from[2];
+    }
   }
 }
 
 Measurement Renderer::Impl::measure(const Scene& scene, const Camera& camera) {
   context->make_current();
   meshes.forget_dead();
-  const Sight sight = make_sight(scene, camera, bounds(scene), width, height);
-  const Items items = collect(scene, sight, meshes);
+  const ViewFrame view = make_view_frame(scene, camera, bounds(scene), width, height);
+  const Items items = collect(scene, view, meshes);
   if (!measured)
     measured = make_framebuffer(make_texture(width, height, GL_RG32F, GL_RG, GL_FLOAT),
                                 depth_texture(width, height));
@@ -205,10 +210,11 @@ Measurement Renderer::Impl::measure(const Scene& scene, const Camera& camera) {
   const float nothing[4] = {std::numeric_limits<float>::infinity(), 0, 0, 0};
   glClearBufferfv(GL_COLOR, 0, nothing);
   glClear(GL_DEPTH_BUFFER_BIT);
-  passes->measure(sight, scene.ground, items);
+  passes->measure(view, scene.ground, items);
 
   Measurement out;
-  out.width = width, out.height = height;
+  out.width = width;
+  out.height = height;
   const size_t row = static_cast<size_t>(width);
   pairs.resize(row * height * 2);
   glReadPixels(0, 0, width, height, GL_RG, GL_FLOAT, pairs.data());

@@ -1,5 +1,5 @@
 // Draws scenes off screen with OpenGL 3.3 core. Deterministic: same scene, same machine, same bytes, whatever
-// the number of threads. Meshes are uploaded once and kept while somebody holds them. Not for two threads at
+// the number of threads. Meshes are uploaded once and kept as long as the mesh is. Not for two threads at
 // the same time; any number of Renderers may live beside each other.
 #pragma once
 
@@ -24,7 +24,7 @@ Quality quality_from_name(const std::string& name);
 class Renderer {
  public:
   // Throws std::invalid_argument for a picture below 1 or above 4096 pixels a side or 9.4 million in all, and
-  // std::runtime_error with GL's own words if no context can be had.
+  // std::runtime_error with GL's message if there is no context.
   Renderer(int width, int height, Quality quality = Quality::kLive);
   ~Renderer();
   Renderer(Renderer&&) noexcept;

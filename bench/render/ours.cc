@@ -96,8 +96,11 @@ void write_msh(const fs::path& path, const lab::render::Mesh& mesh, const lab::r
   const auto put = [&](const auto* data, size_t count) {
     out.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(count * sizeof *data));
   };
-  put(counts, 4), put(positions.data(), positions.size()), put(normals.data(), normals.size()),
-      put(faces.data(), faces.size());
+  put(counts, 4);
+  put(positions.data(), positions.size());
+  put(normals.data(), normals.size());
+
+  put(faces.data(), faces.size());
   if (!out.flush()) throw std::runtime_error(path.string() + ": cannot write");
 }
 
@@ -221,9 +224,11 @@ json time_all(const Job& job) {
         const Clock start = Clock::now();
         renderer.draw(show.scene, show.camera, image);
         const Clock end = Clock::now();
-        sum.wall += end.wall - start.wall, sum.cpu += end.cpu - start.cpu;
+        sum.wall += end.wall - start.wall;
+        sum.cpu += end.cpu - start.cpu;
       }
-      best.wall = std::min(best.wall, sum.wall / job.frames),
+      best.wall = std::min(best.wall, sum.wall / job.frames);
+
       best.cpu = std::min(best.cpu, sum.cpu / job.frames);
     }
     out["modes"][quality] = {

@@ -1,4 +1,4 @@
-// Stage's arrows, and the legend that says how long they are and what the trace's colours mean.
+// RunScene's arrows, and the legend with their scale and that of the trace's colours.
 #include <fmt/format.h>
 #include <rbd/algorithm/center_of_mass.h>
 #include <rbd/algorithm/kinematics.h>
@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "procs/renderer/stage.h"
+#include "procs/renderer/parts.h"
+#include "procs/renderer/run_scene.h"
 #include "render/markers.h"
 
 namespace lab::renderer {
@@ -29,12 +30,12 @@ void draw_box(render::Image& image, int x, int y, int width, int height, const E
 
 }  // namespace
 
-bool Stage::shows(const char* arrows) const {
+bool RunScene::shows(const char* arrows) const {
   return std::find(extras_.arrows.begin(), extras_.arrows.end(), arrows) != extras_.arrows.end();
 }
 
 /// The traced frame, or one for each joint that moves.
-std::vector<rbd::FrameIndex> Stage::moving_frames() const {
+std::vector<rbd::FrameIndex> RunScene::moving_frames() const {
   if (!settings_.trace.empty()) return {traced_};
   std::vector<rbd::FrameIndex> frames;
   for (int joint = 1; joint < model_.njoints; ++joint)
@@ -42,46 +43,33 @@ std::vector<rbd::FrameIndex> Stage::moving_frames() const {
   return frames;
 }
 
-void Stage::set_scales() {
-  double speed = 0, newtons = 0;
-  const std::vector<rbd::FrameIndex> frames = moving_frames();
-  for (const Sample& each : way_) {
-    if (each.moment.v.size() == 0) continue;
-    rbd::forwardKinematics(model_, data_, each.moment.q, each.moment.v);
-    for (rbd::FrameIndex frame : frames)
-      speed = std::max(speed,
-                       rbd::getFrameVelocity(model_, data_, frame, rbd::LOCAL_WORLD_ALIGNED).linear().norm());
-  }
+void RunScene::set_scales() {
+  double newtons = 0;
   for (const Push& push : extras_.pushes) newtons = std::max(newtons, push.force.norm());
-  const auto scale = [&](double most, const char* what, const char* unit) {
-    if (!(most > 1e-9)) return Scale{};
-    const double length = round_down(kLongest * width());
-    const double one = length / round_down(most);
-    return Scale{one, fmt::format("{}: {:g} {} = {:g} m", what, round_down(most), unit, length)};
+  const auto scale = [&](double largest, const char* what, const char* unit) {
+    if (!(largest > 1e-9)) return Scale{};
+    const double length = round_down(kLongest * placement_->picture_width());
+    const double one = length / round_down(largest);
+    return Scale{one, fmt::format("{}: {:g} {} = {:g} m", what, round_down(largest), unit, length)};
   };
-  velocity_ = scale(speed, "velocity", "m/s");
+  velocity_ = scale(max_speed_, "velocity", "m/s");
   force_ = scale(newtons, "force", "N");
 }
 
-void Stage::add_arrows(const Moment& moment, render::Scene& scene) {
+/// For the moment that set_pose() has been called with.
+void RunScene::add_arrows(const Moment& moment, render::Scene& scene) {
   if (extras_.arrows.empty()) return;
-  const double radius = 0.0025 * width();
+  const double width = placement_->picture_width(), radius = 0.0025 * width;
   for (render::Body& body : scene.bodies)  // arrows sit inside the links and have to show through them
-    if (!body.annotation && body.group == 0) body.opacity = .55f, body.group = 1;
-  const bool moving = moment.v.size() > 0;
-  if (moving)
-    rbd::forwardKinematics(model_, data_, moment.q, moment.v);
-  else
-    rbd::forwardKinematics(model_, data_, moment.q);
-
+    if (!body.annotation && body.group == 0) {
+      body.opacity = .55f;
+      body.group = 1;
+    }
+  const bool velocities = moment.v.size() > 0 && shows("velocity") && velocity_.metres > 0;
   for (rbd::FrameIndex frame : moving_frames()) {
     const rbd::SE3& pose = data_.oMf[frame];
-    if (shows("frames")) {
-      Eigen::Isometry3d axes = Eigen::Isometry3d::Identity();
-      axes.linear() = pose.rotation(), axes.translation() = pose.translation();
-      scene.bodies.push_back(render::make_axes(axes, 0.05 * width()));
-    }
-    if (shows("velocity") && moving && velocity_.metres > 0)
+    if (shows("frames")) scene.bodies.push_back(render::make_axes(isometry(pose), 0.05 * width));
+    if (velocities)
       scene.bodies.push_back(render::make_arrow(
           pose.translation(),
           velocity_.metres * rbd::getFrameVelocity(model_, data_, frame, rbd::LOCAL_WORLD_ALIGNED).linear(),
@@ -95,17 +83,17 @@ void Stage::add_arrows(const Moment& moment, render::Scene& scene) {
                                                 vector, 1.4 * radius, kForce));
     }
   if (shows("com")) {
-    const Eigen::Vector3d com = moving ? rbd::centerOfMass(model_, data_, moment.q, moment.v)
-                                       : rbd::centerOfMass(model_, data_, moment.q);
-    scene.bodies.push_back(render::make_com(com, 0.014 * width()));
-    if (moving && shows("velocity") && velocity_.metres > 0)
+    const Eigen::Vector3d com = moment.v.size() > 0 ? rbd::centerOfMass(model_, data_, moment.q, moment.v)
+                                                    : rbd::centerOfMass(model_, data_, moment.q);
+    scene.bodies.push_back(render::make_com(com, 0.014 * width));
+    if (velocities)
       scene.bodies.push_back(render::make_arrow(com, velocity_.metres * data_.vcom[0], radius, kVelocity));
   }
 }
 
-void Stage::draw_legend(render::Image& image) const {
-  const int scale = std::max(1, std::min(image.width, image.height) / 320), line = 11 * scale,
-            left = 6 * scale;
+void RunScene::draw_legend(render::Image& image) const {
+  const int scale = std::max(1, std::min(image.width, image.height) / 320);
+  const int line = 11 * scale, left = 6 * scale;
   int y = image.height - line;
   const uint8_t ink[3] = {50, 54, 60};
   const auto write = [&](int x, const std::string& text) {
@@ -113,14 +101,14 @@ void Stage::draw_legend(render::Image& image) const {
   };
   if (!settings_.trace.empty() && extras_.trace_by != "time") {
     const bool error = extras_.trace_by == "error";
-    const double most = error ? 1000 * most_ : most_;
+    const double largest = error ? 1000 * max_value_ : max_value_;
     const int width = 60 * scale;
     write(left, "0");
     const int bar = left + 9 * scale;
     for (int x = 0; x < width; ++x)
       draw_box(image, bar + x, y, 1, 7 * scale, render::ramp_value((x + .5) / width));
-    write(bar + width + 3 * scale,
-          fmt::format("{:.3g} {}: {} of {}", most, error ? "mm" : "m/s", extras_.trace_by, settings_.trace));
+    write(bar + width + 3 * scale, fmt::format("{:.3g} {}: {} of {}", largest, error ? "mm" : "m/s",
+                                               extras_.trace_by, settings_.trace));
     y -= line;
   }
   for (const auto& [name, each, colour] :

@@ -40,7 +40,7 @@ void Encoder::rethrow() {
 
 void Encoder::push(std::function<void()> job) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return jobs_.size() < kMost; });
+  changed_.wait(lock, [&] { return jobs_.size() < kMaxWaiting; });
   rethrow();
   jobs_.push_back(std::move(job));
   changed_.notify_all();

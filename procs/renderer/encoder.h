@@ -1,3 +1,4 @@
+// Compresses and writes pictures on a thread of its own, beside the drawing of the next one.
 #pragma once
 #include <condition_variable>
 #include <deque>
@@ -8,22 +9,22 @@
 
 namespace lab::renderer {
 
-/// Does jobs in their order on a thread of its own: compressing and writing pictures beside the drawing of the next.
+/// Does jobs in their order on a thread of its own.
 class Encoder {
  public:
   Encoder() : thread_([this] { work(); }) {}
-  ~Encoder();  ///< what waits is still done, errors are lost: finish() first
+  ~Encoder();  ///< waiting jobs are still done, errors are lost: finish() first
   Encoder(const Encoder&) = delete;
   Encoder& operator=(const Encoder&) = delete;
 
-  /// Waits while kMost jobs wait. Throws what an earlier job threw; then nothing more is done.
+  /// Waits while kMaxWaiting jobs wait. Throws what an earlier job threw; then nothing more is done.
   void push(std::function<void()> job);
   /// Jobs done so far.
   int64_t done();
   /// Waits until all are done. Throws what one of them threw.
   void finish();
 
-  static constexpr size_t kMost = 4;  ///< pictures in memory
+  static constexpr size_t kMaxWaiting = 4;  ///< pictures in memory
 
  private:
   void work();

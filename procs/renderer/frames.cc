@@ -88,8 +88,10 @@ void write_contact_sheet(const std::string& path, const std::vector<Stamped>& pi
                          const render::PngTexts& about) {
   std::vector<render::Image> images;
   std::vector<std::string> labels;
-  for (const Stamped& each : pictures)
-    images.push_back(each.image), labels.push_back(fmt::format("{:.2f} s", each.time));
+  for (const Stamped& each : pictures) {
+    images.push_back(each.image);
+    labels.push_back(fmt::format("{:.2f} s", each.time));
+  }
   const int columns = images.size() > 20 ? 0 : images.size() > 6 ? 4 : 3;
   render::write_png(path, render::contact_sheet(images, labels, columns), about);
 }

@@ -1,3 +1,4 @@
+// Numbered pictures in a folder, and contact sheets of them.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -28,7 +29,7 @@ class FrameFolder {
   /// NNNN.depth.png (16 bits, mm, 0 = nothing) and NNNN.depth.f32 (m, float32 of this machine, rows from the top,
   /// infinity = nothing).
   void write_depth(int64_t index, const render::Measurement&, render::PngTexts);
-  /// NNNN.id.png: 16 bits, the link's number; its texts say which is which.
+  /// NNNN.id.png: 16 bits, the link's number; its texts list the links.
   void write_ids(int64_t index, const render::Measurement&, render::PngTexts,
                  const std::vector<std::string>& links);
 
@@ -52,8 +53,8 @@ void write_contact_sheet(const std::string& path, const std::vector<Stamped>&, c
 /// The size at which a picture goes into a contact sheet.
 render::Image thumbnail(const render::Image&);
 
-/// Up to twelve of the first `count` frames of a folder, evenly chosen, as a contact sheet that says the run
-/// as they do. Nothing if there are none.
+/// Up to twelve of the first `count` frames of a folder, evenly chosen, as a contact sheet with the
+/// same text for the run. Nothing if there are none.
 void write_contact_sheet_of(const std::string& path, const std::string& folder,
                             const std::vector<double>& times);
 

@@ -28,7 +28,7 @@ Progress::Style bar(const std::string& label) {
   return {.label = fmt::format("{:<9}", label), .keep = true, .shown_above = 10};
 }
 
-/// The experiment with the looks of the run's own experiment.yaml, and over them those of the command line.
+/// The experiment with the renderer keys of the run's own experiment.yaml, overridden by those of the command line.
 Experiment experiment_of(const FromLog& job, const Logged& logged, const std::string& path,
                          std::string& meshes) {
   Experiment e = parse_experiment(logged.run.experiment, "RUN in " + path);
@@ -43,16 +43,23 @@ Experiment experiment_of(const FromLog& job, const Logged& logged, const std::st
   if (job.width) r.size = {job.width, job.height};
   if (!job.camera.empty()) r.camera = job.camera;
   if (!job.quality.empty()) r.quality = job.quality;
-  r.orthographic |= job.orthographic, r.reference |= job.reference;
-  r.orbit = job.orbit.value_or(r.orbit), r.ghost = job.ghost.value_or(r.ghost);
-  if (job.follow) r.follow = *job.follow, e.where["renderer.follow"] = "--follow";
-  if (job.trace) r.trace = *job.trace, e.where["renderer.trace"] = "--trace";
+  r.orthographic |= job.orthographic;
+  r.reference |= job.reference;
+  r.orbit = job.orbit.value_or(r.orbit);
+  r.ghost = job.ghost.value_or(r.ghost);
+  const auto set_frame = [&](const std::optional<std::string>& option, std::string& frame, const char* key) {
+    if (!option) return;
+    frame = *option;
+    e.where[std::string("renderer.") + key] = std::string("--") + key;
+  };
+  set_frame(job.follow, r.follow, "follow");
+  set_frame(job.trace, r.trace, "trace");
   if (job.trace_by != "time" && r.trace.empty())
     throw ExperimentError("--trace-by: there is no trace to colour; name its frame with --trace");
   return e;
 }
 
-/// The logged step nearest to one that is wanted.
+/// The logged step nearest to a requested one.
 int64_t nearest(const std::vector<int64_t>& logged, int64_t step) {
   const auto after = std::lower_bound(logged.begin(), logged.end(), step);
   if (after == logged.end()) return logged.back();
@@ -87,23 +94,23 @@ Moments moments_of(const std::map<int64_t, Moment>& all, const std::vector<int64
 /// Every i-th frame of a clip.
 class FrameWorker : public Worker {
  public:
-  FrameWorker(const Stage& stage, const Moments& moments, const FromLog& job, const std::string& folder,
+  FrameWorker(const RunScene& run, const Moments& moments, const FromLog& job, const std::string& folder,
               render::PngTexts about)
-      : stage_(stage),
+      : run_(run),
         moments_(moments),
         depth_(job.depth),
         ids_(job.ids),
-        painter_(stage_),
+        painter_(run_),
         files_(folder, with_gl(std::move(about))) {}
 
   void draw(int64_t index) override {
-    const Moment& moment = moments_[static_cast<size_t>(index)];
-    files_.write(index, painter_.draw(moment));
+    const Shot shot = run_.shot(moments_[static_cast<size_t>(index)]);
+    files_.write(index, painter_.draw(shot));
     if (!depth_ && !ids_) return;
-    const render::Measurement seen = painter_.measure(moment);
-    const render::PngTexts texts = texts_of(moment, stage_.settings().camera, stage_.camera(moment));
+    const render::Measurement seen = painter_.measure(shot);
+    const render::PngTexts texts = texts_of(shot, run_.settings().camera);
     if (depth_) files_.write_depth(index, seen, texts);
-    if (ids_) files_.write_ids(index, seen, texts, stage_.links());
+    if (ids_) files_.write_ids(index, seen, texts, run_.links());
   }
   void finish() override { files_.finish(); }
 
@@ -113,7 +120,7 @@ class FrameWorker : public Worker {
     return about;
   }
 
-  Stage stage_;
+  RunScene run_;
   const Moments& moments_;
   bool depth_, ids_;
   Painter painter_;
@@ -133,38 +140,105 @@ struct Scratch {
   }
 };
 
-void draw_frames(const FromLog& job, const Stage& stage, const Moments& moments, const std::string& folder,
-                 bool say, const render::PngTexts& about) {
+/// What is drawn at which steps.
+struct Plan {
+  double fps;                     ///< of a film
+  std::vector<int64_t> pictures;  ///< steps, as the three below
+  std::vector<int64_t> cells;     ///< of contact.png
+  std::vector<int64_t> samples;   ///< of traces and ghosts
+  int64_t ghosts;                 ///< of ghost.png; 0 = none
+};
+
+Plan make_plan(const FromLog& job, const Experiment& experiment, const Logged& logged) {
+  const double dt = experiment.simulator.dt;
+  const int64_t last_step = logged.steps.back();
+  const bool only_overviews =
+      (job.ghost.value_or(0) > 0 || job.contact > 0) && job.times.empty() && !job.fps && job.video.empty();
+  const bool film_only = job.folder.empty();
+  Plan plan{.fps = job.fps.value_or(job.video.empty() ? experiment.renderer.fps : kVideoRate),
+            .pictures = {},
+            .cells = {},
+            .samples = {},
+            .ghosts = job.ghost.value_or(job.times.empty() && !film_only ? experiment.renderer.ghost : 0)};
+  if (!job.times.empty())
+    plan.pictures = steps_at_times(job, dt, last_step);
+  else if (!only_overviews)
+    plan.pictures = steps_at_rate(plan.fps, dt, last_step);
+  for (int64_t i = 0; i < job.contact; ++i)
+    plan.cells.push_back(job.contact == 1 ? last_step : i * last_step / (job.contact - 1));
+  for (int64_t step = 0; step < last_step; step += sample_gap(experiment)) plan.samples.push_back(step);
+  plan.samples.push_back(last_step);
+  for (std::vector<int64_t>* steps : {&plan.pictures, &plan.cells, &plan.samples})
+    *steps = nearest(logged.steps, std::move(*steps));
+  if (job.times.empty())  // fewer are logged than requested
+    plan.pictures.erase(std::unique(plan.pictures.begin(), plan.pictures.end()), plan.pictures.end());
+  return plan;
+}
+
+/// The moments at all steps of a plan.
+std::map<int64_t, Moment> read_planned(const Plan& plan, const std::string& path, double dt) {
+  std::vector<int64_t> all = plan.pictures;
+  all.insert(all.end(), plan.cells.begin(), plan.cells.end());
+  all.insert(all.end(), plan.samples.begin(), plan.samples.end());
+  std::sort(all.begin(), all.end());
+  return read_moments(path, all, dt);
+}
+
+RunScene make_scene(const FromLog& job, const Experiment& experiment, const Robot& robot,
+                    const Logged& logged, const Moments& samples) {
+  Extras extras{job.trace_by, job.arrows, logged.pushes};
+  for (const PlannedPush& push : experiment.simulator.pushes)
+    extras.pushes.push_back(
+        {push.time, push.time + push.duration, push.frame, {push.force[0], push.force[1], push.force[2]}});
+  RunScene run(robot, experiment, std::move(extras));
+  for (const auto& warning : run.warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
+  if (job.strict && !run.warnings().empty())
+    throw ExperimentError("--strict: the robot is not whole, so nothing is drawn");
+  for (const Moment& moment : samples) run.remember(moment);
+  run.finish_run();
+  return run;
+}
+
+void draw_frames(const FromLog& job, const RunScene& run, const Moments& moments, const std::string& folder,
+                 const render::PngTexts& about) {
   const auto count = static_cast<int64_t>(moments.size());
+  const bool list_files = !job.folder.empty();
   Progress progress(count, bar("pictures"));
   draw_all(
       count, job.workers ? job.workers : sensible_workers(count),
       [&]() -> std::unique_ptr<Worker> {
-        return std::make_unique<FrameWorker>(stage, moments, job, folder, about);
+        return std::make_unique<FrameWorker>(run, moments, job, folder, about);
       },
       [&](int64_t index) {
         progress.show(index + 1);
-        if (say && !progress.on_terminal()) fmt::print("{}\n", frame_path(folder, index));
+        if (list_files && !progress.on_terminal()) fmt::print("{}\n", frame_path(folder, index));
       });
 }
 
+void write_overview(const Moments& moments, const std::string& folder) {
+  std::vector<double> times;
+  for (const Moment& moment : moments) times.push_back(moment.time);
+  write_contact_sheet_of(folder + "/contact.png", folder, times);
+  fmt::print("{}/contact.png\n", folder);
+}
+
 /// The pictures of the whole run: contact sheet and ghosts.
-void draw_overviews(const FromLog& job, Stage& stage, const Moments& for_contact, int64_t ghosts,
+void draw_overviews(const std::string& folder, RunScene& run, const Moments& for_contact, int64_t ghosts,
                     render::PngTexts about) {
   if (for_contact.empty() && ghosts == 0) return;
-  Painter painter(stage);
+  Painter painter(run);
   about.emplace_back("renderer", painter.gl_info());
-  make_folder(job.folder);
-  const std::string contact = job.folder + "/contact.png", ghost = job.folder + "/ghost.png";
+  make_folder(folder);
+  const std::string contact = folder + "/contact.png", ghost = folder + "/ghost.png";
   if (!for_contact.empty()) {
     std::vector<Stamped> pictures;
     for (const Moment& moment : for_contact)
-      pictures.push_back({thumbnail(painter.draw(moment).image), moment.time});
+      pictures.push_back({thumbnail(painter.draw(run.shot(moment)).image), moment.time});
     write_contact_sheet(contact, pictures, about);
     fmt::print("{}\n", contact);
   }
   if (ghosts > 0) {
-    Picture picture = painter.draw_ghosts(ghosts);
+    Picture picture = painter.draw(run.ghosts(ghosts));
     picture.texts.insert(picture.texts.begin(), about.begin(), about.end());
     render::write_png(ghost, picture.image, picture.texts);
     fmt::print("{}\n", ghost);
@@ -181,62 +255,24 @@ int render_log(const FromLog& job) {
   const Experiment experiment = experiment_of(job, logged, path, meshes);
   const Robot robot =
       logged.run.urdf.empty() ? load_robot(experiment) : load_robot(experiment, logged.run.urdf, meshes);
-  const double dt = experiment.simulator.dt;
-  const int64_t last_step = logged.steps.back();
+  const Plan plan = make_plan(job, experiment, logged);
+  const auto read = read_planned(plan, path, experiment.simulator.dt);
+  RunScene run = make_scene(job, experiment, robot, logged, moments_of(read, plan.samples));
 
-  // which steps
-  const bool only_overviews =
-      (job.ghost.value_or(0) > 0 || job.contact > 0) && job.times.empty() && !job.fps && job.video.empty();
-  const double fps = job.fps.value_or(job.video.empty() ? experiment.renderer.fps : kVideoRate);
-  std::vector<int64_t> steps, cells, samples;
-  if (!job.times.empty())
-    steps = steps_at_times(job, dt, last_step);
-  else if (!only_overviews)
-    steps = steps_at_rate(fps, dt, last_step);
-  for (int64_t i = 0; i < job.contact; ++i)
-    cells.push_back(job.contact == 1 ? last_step : i * last_step / (job.contact - 1));
-  for (int64_t step = 0; step < last_step; step += sample_gap(experiment)) samples.push_back(step);
-  samples.push_back(last_step);
-  steps = nearest(logged.steps, steps), cells = nearest(logged.steps, cells),
-  samples = nearest(logged.steps, samples);
-  if (job.times.empty())
-    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());  // fewer are logged than wanted
-  std::vector<int64_t> all = steps;
-  all.insert(all.end(), cells.begin(), cells.end()), all.insert(all.end(), samples.begin(), samples.end());
-  std::sort(all.begin(), all.end());
-  const auto read = read_moments(path, all, dt);
-
-  Extras extras{job.trace_by, job.arrows, logged.pushes};
-  for (const PlannedPush& push : experiment.simulator.pushes)
-    extras.pushes.push_back(
-        {push.time, push.time + push.duration, push.frame, {push.force[0], push.force[1], push.force[2]}});
-  Stage stage(robot, experiment, std::move(extras));
-  for (const auto& warning : stage.warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
-  if (job.strict && !stage.warnings().empty())
-    throw ExperimentError("--strict: the robot is not whole, so nothing is drawn");
-  for (const Moment& moment : moments_of(read, samples)) stage.remember(moment);
-  stage.frame_all();
-
-  const std::string run = fmt::format("{:016x}", static_cast<uint64_t>(logged.run.run));
-  const Moments moments = moments_of(read, steps);
+  const std::string id = fmt::format("{:016x}", static_cast<uint64_t>(logged.run.run));
+  const Moments moments = moments_of(read, plan.pictures);
   std::optional<Scratch> scratch;
   if (job.folder.empty()) scratch.emplace(job.video);
   const std::string folder = scratch ? scratch->folder : job.folder;
-  if (!moments.empty()) draw_frames(job, stage, moments, folder, !scratch, {{"run", run}});
-  if (moments.size() > 1 && job.contact == 0 && !scratch) {
-    std::vector<double> times;
-    for (const Moment& moment : moments) times.push_back(moment.time);
-    write_contact_sheet_of(folder + "/contact.png", folder, times);
-    fmt::print("{}/contact.png\n", folder);
-  }
+  if (!moments.empty()) draw_frames(job, run, moments, folder, {{"run", id}});
+  if (moments.size() > 1 && job.contact == 0 && !scratch) write_overview(moments, folder);
   if (!job.video.empty()) {
     const auto count = static_cast<int64_t>(moments.size());
     Progress progress(count, bar("video"));
-    write_video(job.video, folder, count, fps, "run " + run, [&](int64_t done) { progress.show(done); });
+    write_video(job.video, folder, count, plan.fps, "run " + id, [&](int64_t done) { progress.show(done); });
     fmt::print("{}\n", job.video);
   }
-  const int64_t ghosts = job.ghost.value_or(job.times.empty() && !scratch ? experiment.renderer.ghost : 0);
-  draw_overviews(job, stage, moments_of(read, cells), ghosts, {{"run", run}});
+  draw_overviews(job.folder, run, moments_of(read, plan.cells), plan.ghosts, {{"run", id}});
   return kOk;
 }
 

@@ -1,3 +1,4 @@
+// Pictures and films from a finished (or broken off) log.
 #pragma once
 #include <optional>
 #include <string>
@@ -5,10 +6,10 @@
 
 namespace lab::renderer {
 
-/// Pictures from a finished (or broken off) log. What is not set comes from the run's experiment.yaml, if the log lies
+/// What to draw. What is not set comes from the run's experiment.yaml, if the log lies
 /// beside one, or from the defaults.
 struct FromLog {
-  std::string source;  ///< log.lcm or a run's folder
+  std::string source;  ///< log.lcm or a run folder
   std::string folder;  ///< where the pictures go; may be empty if there is only a video
   // what to make; without any of it: pictures at the experiment's rate
   std::vector<double> times;        ///< s: pictures then
@@ -17,7 +18,7 @@ struct FromLog {
   int64_t contact = 0;              ///< contact.png of this many pictures
   std::optional<int64_t> ghost;     ///< ghost.png of this many poses
   bool depth = false, ids = false;  ///< beside each picture
-  // how it looks
+  // appearance
   int width = 0, height = 0;  ///< 0: as in the experiment
   std::string camera, quality;
   bool orthographic = false;
@@ -26,11 +27,11 @@ struct FromLog {
   bool reference = false;
   std::string trace_by = "time";
   std::vector<std::string> arrows;
-  int workers = 0;      ///< 0: as many as suit
-  bool strict = false;  ///< a mesh or texture that cannot be had is an error
+  int workers = 0;      ///< 0: chosen by the number of pictures and cores
+  bool strict = false;  ///< a missing or broken mesh or texture is an error
 };
 
-/// Draws them and says what it wrote. Returns an exit code; throws with one clear line.
+/// Draws them and prints the names of what it wrote. Returns an exit code; throws with one clear line.
 int render_log(const FromLog& job);
 
 }  // namespace lab::renderer

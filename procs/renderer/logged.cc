@@ -6,6 +6,7 @@
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 
+#include "lab/experiment/experiment.h"
 #include "wire/log/log_writer.h"
 #include "wire/log/logged_messages.h"
 #include "wire/protocol/convert.h"
@@ -53,12 +54,14 @@ std::map<int64_t, Moment> read_moments(const std::string& path, const std::vecto
       return;
     const int64_t step = peek_step(data);
     Moment& moment = moments[step];
-    moment.step = step, moment.time = static_cast<double>(step_utime(step, dt)) * 1e-6;
+    moment.step = step;
+    moment.time = static_cast<double>(step_utime(step, dt)) * 1e-6;
     if (channel == Channel::Reference) {
-      moment.wanted = to_signal(decode<reference_t>(data)).q;
+      moment.reference = to_signal(decode<reference_t>(data)).q;
     } else {
       auto state = to_signal(decode<robot_state_t>(data));
-      moment.q = std::move(state.q), moment.v = std::move(state.v);
+      moment.q = std::move(state.q);
+      moment.v = std::move(state.v);
     }
   });
   std::erase_if(moments, [](const auto& each) { return each.second.q.size() == 0; });

@@ -1,3 +1,4 @@
+// Reads from a log what pictures need.
 #pragma once
 #include <cstdint>
 #include <lab/run_t.hpp>
@@ -5,17 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "procs/renderer/stage.h"
+#include "procs/renderer/moment.h"
 
-/// A log, read for what pictures need.
 namespace lab::renderer {
 
-/// log.lcm of a run's folder, or what there is of it; any other path as it is.
+/// log.lcm of a run folder, or the unfinished one; any other path as it is.
 std::string find_log(const std::string& source);
 
 struct Logged {
   run_t run{};
-  std::vector<int64_t> steps;  ///< of which there is a state, rising
+  std::vector<int64_t> steps;  ///< those with a state, rising
   std::vector<Push> pushes;    ///< by hand
 };
 /// Throws ExperimentError if there is no RUN or no state.

@@ -5,7 +5,7 @@
 namespace lab::renderer {
 namespace {
 
-std::string words(const std::string& view, const render::Camera& c) {
+std::string describe(const std::string& view, const render::Camera& c) {
   const auto point = [](const Eigen::Vector3d& p) {
     return fmt::format("{:.6g} {:.6g} {:.6g}", p.x(), p.y(), p.z());
   };
@@ -17,37 +17,28 @@ std::string words(const std::string& view, const render::Camera& c) {
 
 }  // namespace
 
-render::PngTexts texts_of(const Moment& moment, const std::string& view, const render::Camera& camera) {
-  return {{"step", std::to_string(moment.step)},
-          {"time", fmt::format("{:.6f} s", moment.time)},
-          {"camera", words(view, camera)}};
+render::PngTexts texts_of(const Shot& shot, const std::string& view) {
+  render::PngTexts texts;
+  if (shot.step) texts = {{"step", std::to_string(*shot.step)}, {"time", fmt::format("{:.6f} s", shot.time)}};
+  texts.emplace_back("camera", describe(view, shot.camera));
+  return texts;
 }
 
-Painter::Painter(Stage& stage)
-    : stage_(stage),
-      renderer_(static_cast<int>(stage.settings().size[0]), static_cast<int>(stage.settings().size[1]),
-                render::quality_from_name(stage.settings().quality)) {}
+Painter::Painter(const RunScene& run)
+    : run_(run),
+      renderer_(static_cast<int>(run.settings().size[0]), static_cast<int>(run.settings().size[1]),
+                render::quality_from_name(run.settings().quality)) {}
 
-Picture Painter::draw(const render::Scene& scene, const render::Camera& camera, const Moment* moment) {
-  Picture picture{renderer_.draw(scene, camera), {}};
-  stage_.draw_legend(picture.image);
-  if (moment)
-    picture.texts = texts_of(*moment, stage_.settings().camera, camera);
-  else
-    picture.texts = {{"camera", words(stage_.settings().camera, camera)}};
+Picture Painter::draw(const Shot& shot) {
+  Picture picture{renderer_.draw(shot.scene, shot.camera), texts_of(shot, run_.settings().camera)};
+  run_.draw_legend(picture.image);
   return picture;
 }
 
-Picture Painter::draw(const Moment& moment) {
-  const render::Camera camera = stage_.camera(moment);
-  return draw(stage_.scene(moment), camera, &moment);
-}
-
-Picture Painter::draw_ghosts(int64_t n) { return draw(stage_.ghosts(n), stage_.ghost_camera(), nullptr); }
-
-render::Measurement Painter::measure(const Moment& moment) {
-  const render::Camera camera = stage_.camera(moment);
-  return renderer_.measure(stage_.robot_alone(moment), camera);
+render::Measurement Painter::measure(const Shot& shot) {
+  render::Scene scene;
+  scene.bodies = shot.robot;
+  return renderer_.measure(scene, shot.camera);
 }
 
 }  // namespace lab::renderer

@@ -1,5 +1,6 @@
+// Draws scenes of a run with OpenGL.
 #pragma once
-#include "procs/renderer/stage.h"
+#include "procs/renderer/run_scene.h"
 #include "render/png.h"
 #include "render/renderer.h"
 
@@ -11,26 +12,23 @@ struct Picture {
   render::PngTexts texts;
 };
 
-/// Draws a stage with OpenGL. Not for two threads.
+/// Not for two threads.
 class Painter {
  public:
-  /// Throws std::runtime_error if OpenGL cannot be had, std::invalid_argument for an impossible size.
-  explicit Painter(Stage& stage);
+  /// Throws std::runtime_error if there is no OpenGL, std::invalid_argument for an impossible size.
+  explicit Painter(const RunScene&);
 
-  Picture draw(const Moment&);
-  Picture draw_ghosts(int64_t n);
+  Picture draw(const Shot&);
   /// Depth and links of the same view, nothing but the robot.
-  render::Measurement measure(const Moment&);
+  render::Measurement measure(const Shot&);
   const std::string& gl_info() const { return renderer_.gl_info(); }
 
  private:
-  Picture draw(const render::Scene&, const render::Camera&, const Moment*);
-
-  Stage& stage_;
+  const RunScene& run_;
   render::Renderer renderer_;
 };
 
-/// The texts of a picture; also for depth and id images.
-render::PngTexts texts_of(const Moment&, const std::string& view, const render::Camera&);
+/// The texts of a picture; also for depth and id images. view: the camera's name.
+render::PngTexts texts_of(const Shot&, const std::string& view);
 
 }  // namespace lab::renderer

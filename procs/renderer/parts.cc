@@ -1,5 +1,7 @@
 #include "procs/renderer/parts.h"
 
+#include "render/mesh/primitives.h"
+
 namespace lab::renderer {
 namespace {
 
@@ -25,7 +27,8 @@ render::MeshPtr primitive(const rbd::GeometryObject& shape) {
 
 Eigen::Isometry3d isometry(const rbd::SE3& pose) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-  out.linear() = pose.rotation(), out.translation() = pose.translation();
+  out.linear() = pose.rotation();
+  out.translation() = pose.translation();
   return out;
 }
 
@@ -40,12 +43,15 @@ std::string PartMaker::why_missing(const std::string& uri) const {
 
 render::MeshPtr PartMaker::mesh(const rbd::GeometryObject& shape) {
   const double largest = shape.scale.cwiseAbs().maxCoeff();
-  const auto [known, fresh] = meshes_.try_emplace({shape.meshUri, largest});
-  if (!fresh) return known->second;
+  const auto [known, is_new] = meshes_.try_emplace({shape.meshUri, largest});
+  if (!is_new) return known->second;
   try {
     if (shape.mesh.empty()) throw std::runtime_error(why_missing(shape.meshUri));
     render::MeshOptions options;
-    if (error_ > 0 && largest > 0) options.triangles = kFewTriangles, options.error = error_ / largest;
+    if (error_ > 0 && largest > 0) {
+      options.triangles = kFewTriangles;
+      options.error = error_ / largest;
+    }
     known->second = render::load_mesh(shape.mesh, options, &warnings_);
   } catch (const std::exception& error) {
     warnings_.push_back(std::string(error.what()) + "; drawn as a magenta box");

@@ -1,3 +1,4 @@
+// Shapes of a URDF as parts to draw: primitives and mesh files.
 #pragma once
 #include <map>
 #include <string>
@@ -11,7 +12,7 @@ namespace lab::renderer {
 
 Eigen::Isometry3d isometry(const rbd::SE3& pose);
 
-/// Makes parts of a robot's shapes. Each mesh file is read once. One that cannot be had becomes a magenta box of 10 cm,
+/// Makes parts of a robot's shapes. Each mesh file is read once. A missing or broken one becomes a magenta box of 10 cm,
 /// with one warning that names every place where it was looked for.
 class PartMaker {
  public:
@@ -29,7 +30,7 @@ class PartMaker {
   const double error_;
   std::vector<std::string>& warnings_;
   std::map<std::pair<std::string, double>, render::MeshPtr>
-      meshes_;  ///< by URI and largest scale; null: cannot be had
+      meshes_;  ///< by URI and largest scale; null: missing or broken
 };
 
 }  // namespace lab::renderer

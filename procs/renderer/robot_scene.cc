@@ -25,9 +25,9 @@ double size(const rbd::Model& model) {
 std::vector<render::Body> make_bodies(const Robot& robot, const std::string& quality,
                                       std::vector<std::string>& links, std::vector<std::string>& warnings) {
   std::vector<render::Body> bodies;
-  constexpr double kUnseen =
-      0.0025;  // of the robot's size: less than a pixel of a picture of 640 x 480 that shows all of it
-  PartMaker maker(robot, quality == "fine" ? 0 : kUnseen * size(robot.model), warnings);
+  // of the robot's size: less than a pixel of a picture of 640 x 480 that shows all of it
+  constexpr double kInvisible = 0.0025;
+  PartMaker maker(robot, quality == "fine" ? 0 : kInvisible * size(robot.model), warnings);
   for (rbd::JointIndex joint = 0; joint < static_cast<rbd::JointIndex>(robot.model.njoints); ++joint) {
     render::Body body;
     body.name = robot.model.names[joint];
@@ -44,10 +44,14 @@ std::vector<render::Body> make_bodies(const Robot& robot, const std::string& qua
   return bodies;
 }
 
+void place_bodies(const rbd::Data& data, std::vector<render::Body>& bodies) {
+  for (size_t joint = 0; joint < bodies.size(); ++joint) bodies[joint].pose = isometry(data.oMi[joint]);
+}
+
 void pose_bodies(const rbd::Model& model, rbd::Data& data, const Eigen::VectorXd& q,
                  std::vector<render::Body>& bodies) {
   rbd::forwardKinematics(model, data, q);
-  for (size_t joint = 0; joint < bodies.size(); ++joint) bodies[joint].pose = isometry(data.oMi[joint]);
+  place_bodies(data, bodies);
 }
 
 }  // namespace lab::renderer

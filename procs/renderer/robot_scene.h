@@ -1,3 +1,4 @@
+// A robot's shapes as bodies to draw, and their poses.
 #pragma once
 #include <rbd/algorithm/data.h>
 
@@ -15,7 +16,10 @@ namespace lab::renderer {
 std::vector<render::Body> make_bodies(const Robot&, const std::string& quality,
                                       std::vector<std::string>& links, std::vector<std::string>& warnings);
 
-/// Moves them to a configuration; `data` then has its joints and frames.
+/// Moves them to where the joints are in `data`.
+void place_bodies(const rbd::Data& data, std::vector<render::Body>& bodies);
+
+/// The same for a configuration; `data` then has its joints and frames.
 void pose_bodies(const rbd::Model&, rbd::Data& data, const Eigen::VectorXd& q,
                  std::vector<render::Body>& bodies);
 

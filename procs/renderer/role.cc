@@ -22,16 +22,16 @@
 
 namespace lab::renderer {
 
-Watcher::Watcher(Experiment settings, std::string run_dir, Publish publish)
+RendererRole::RendererRole(Experiment settings, std::string run_dir, Publish publish)
     : settings_(std::move(settings)), run_dir_(std::move(run_dir)), publish_(std::move(publish)) {}
 
-std::string Watcher::state() const {
+std::string RendererRole::state() const {
   if (outcome_.exit_code != kOk) return "FAULT";
   if (run_ == 0) return "STARTING";
   return drawn_ < 0 ? "READY" : "RUNNING";
 }
 
-void Watcher::receive(Channel channel, std::span<const uint8_t> bytes, Micros) try {
+void RendererRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros) try {
   if (outcome_.ended) return;
   idle_timer_.reset();
   if (channel == Channel::Run && run_ == 0) return on_run(bytes);
@@ -46,75 +46,81 @@ void Watcher::receive(Channel channel, std::span<const uint8_t> bytes, Micros) t
   outcome_ = {true, kBadConfig, error.what()};
 }
 
-void Watcher::on_state(int64_t step, std::span<const uint8_t> bytes) {
+void RendererRole::on_state(int64_t step, std::span<const uint8_t> bytes) {
   const auto moment = [&] {
     const RobotState state = to_signal(decode<robot_state_t>(bytes));
     return Moment{step, static_cast<double>(step_utime(step, dt_)) * 1e-6, state.q, state.v, {}};
   };
   if (realtime_) {
-    if (stage_->needs_samples() && step / sample_gap_ > sampled_ / sample_gap_)
-      stage_->remember(moment()), sampled_ = step;
+    if (scene_->needs_samples() && step / sample_gap_ > sampled_ / sample_gap_) {
+      scene_->remember(moment());
+      sampled_ = step;
+    }
     const auto gap = static_cast<int64_t>(std::ceil(1 / (settings_.renderer.fps * dt_)));
-    if (drawn_ < 0 || step / gap > drawn_ / gap) moments_.clear(), moments_[step] = moment();
+    if (drawn_ < 0 || step / gap > drawn_ / gap) {
+      moments_.clear();
+      moments_[step] = moment();
+    }
     return;
   }
-  if (next_ >= wanted_.size() || step < wanted_[next_] ||
-      !std::binary_search(wanted_.begin(), wanted_.end(), step))
+  if (next_ >= needed_.size() || step < needed_[next_] ||
+      !std::binary_search(needed_.begin(), needed_.end(), step))
     return;
   Moment& kept = moments_[step];
   if (kept.q.size() > 0) return;
-  Eigen::VectorXd reference = std::move(kept.wanted);  // it may have come first
+  Eigen::VectorXd reference = std::move(kept.reference);  // it may have come first
   kept = moment();
-  kept.wanted = std::move(reference);
+  kept.reference = std::move(reference);
 }
 
-void Watcher::on_reference(int64_t step, std::span<const uint8_t> bytes) {
+void RendererRole::on_reference(int64_t step, std::span<const uint8_t> bytes) {
   if (!settings_.renderer.reference) return;
-  const auto wanted = [&] { return to_signal(decode<reference_t>(bytes)).q; };
+  const auto q = [&] { return to_signal(decode<reference_t>(bytes)).q; };
   if (realtime_) {
-    references_[step] = wanted();
+    references_[step] = q();
     if (references_.size() > static_cast<size_t>(2 * kWindow)) references_.erase(references_.begin());
-  } else if (next_ < wanted_.size() && step >= wanted_[next_] &&
+  } else if (next_ < needed_.size() && step >= needed_[next_] &&
              std::binary_search(pictures_.begin(), pictures_.end(), step)) {
-    moments_[step].wanted = wanted();
+    moments_[step].reference = q();
   }
 }
 
-void Watcher::on_end(std::span<const uint8_t> bytes) {
+void RendererRole::on_end(std::span<const uint8_t> bytes) {
   last_step_ = decode<end_t>(bytes).step;
   if (!realtime_) plan(std::max<int64_t>(*last_step_, 0));
 }
 
-/// What of steps 0 to last_step is needed. What was done of a longer plan stays done: this one begins alike.
-void Watcher::plan(int64_t last_step) {
+/// The needed steps from 0 to last_step. What has been done of a longer plan stays done: both begin with the same steps.
+void RendererRole::plan(int64_t last_step) {
   pictures_ = steps_at_rate(settings_.renderer.fps, dt_, last_step);
-  wanted_ = pictures_;
-  if (stage_->needs_samples())
-    for (int64_t step = 0; step < last_step; step += sample_gap_) wanted_.push_back(step);
-  std::sort(wanted_.begin(), wanted_.end());
-  wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
+  needed_ = pictures_;
+  if (scene_->needs_samples())
+    for (int64_t step = 0; step < last_step; step += sample_gap_) needed_.push_back(step);
+  std::sort(needed_.begin(), needed_.end());
+  needed_.erase(std::unique(needed_.begin(), needed_.end()), needed_.end());
 }
 
-bool Watcher::ready(int64_t step) const {
+bool RendererRole::ready(int64_t step) const {
   const auto found = moments_.find(step);
   if (found == moments_.end() || found->second.q.size() == 0) return false;
-  return !settings_.renderer.reference || found->second.wanted.size() > 0 ||
+  return !settings_.renderer.reference || found->second.reference.size() > 0 ||
          !std::binary_search(pictures_.begin(), pictures_.end(), step);
 }
 
-void Watcher::on_run(std::span<const uint8_t> bytes) {
+void RendererRole::on_run(std::span<const uint8_t> bytes) {
   const auto message = decode<run_t>(bytes);
   Experiment experiment = parse_experiment(message.experiment, "RUN");
   robot_ = message.urdf.empty() ? load_robot(experiment)
                                 : load_robot(experiment, message.urdf, find_model(settings_));
   experiment.renderer = settings_.renderer;
   dt_ = experiment.simulator.dt;
-  sample_gap_ = sample_gap(experiment), sampled_ = -sample_gap_;
+  sample_gap_ = sample_gap(experiment);
+  sampled_ = -sample_gap_;
   realtime_ = experiment.simulator.clock == "realtime";
-  stage_ = std::make_unique<Stage>(*robot_, experiment);
-  for (const auto& warning : stage_->warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
+  scene_ = std::make_unique<RunScene>(*robot_, experiment);
+  for (const auto& warning : scene_->warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
   if (!realtime_) plan(experiment.last_step());
-  painter_ = std::make_unique<Painter>(*stage_);
+  painter_ = std::make_unique<Painter>(*scene_);
   about_ = {{"run", fmt::format("{:016x}", static_cast<uint64_t>(message.run))},
             {"renderer", painter_->gl_info()}};
   folder_ = std::make_unique<FrameFolder>(run_dir_ + "/frames", about_);
@@ -122,8 +128,8 @@ void Watcher::on_run(std::span<const uint8_t> bytes) {
   run_ = message.run;
 }
 
-/// Takes RUN, states and END from the log as far as it is written: for what the bus did not bring.
-void Watcher::read_more_of_the_log() {
+/// Takes RUN, states and END from the log as far as it is written: those that were missed on the bus.
+void RendererRole::read_more_of_the_log() {
   if (!log_) {
     const std::string final = run_dir_ + "/log.lcm", part = part_name(final);
     const std::string& path = std::filesystem::exists(final) ? final : part;
@@ -138,29 +144,32 @@ void Watcher::read_more_of_the_log() {
   }
 }
 
-void Watcher::tick(Micros now) try {
+void RendererRole::tick(Micros now) try {
   if (outcome_.ended) return;
   idle_timer_.update(now);
   wake_ = now + kRepeat;
-  const bool state_missing = run_ == 0 || (next_ < wanted_.size() && !ready(wanted_[next_]));
-  if (state_missing && now >= next_look_) next_look_ = now + kRepeat / 2, read_more_of_the_log();
+  const bool state_missing = run_ == 0 || (next_ < needed_.size() && !ready(needed_[next_]));
+  if (state_missing && now >= next_look_) {
+    next_look_ = now + kRepeat / 2;
+    read_more_of_the_log();
+  }
   if (outcome_.ended || run_ == 0) {
     if (stopping_ || idle_timer_.elapsed() > std::llround(settings_.ready * 1e6))
       outcome_ = {true, stopping_ ? kOk : kNotReady,
                   stopping_ ? "" : fmt::format("no RUN from the simulator in {:g} s", settings_.ready)};
     return;
   }
-  tell_written();
+  publish_written();
   if (realtime_ && !moments_.empty() && !last_step_) {
     Moment moment = std::move(moments_.begin()->second);
     moments_.clear();
     if (const auto after = references_.upper_bound(moment.step); after != references_.begin())
-      moment.wanted = std::prev(after)->second;
+      moment.reference = std::prev(after)->second;
     draw(moment);
-  } else if (next_ < wanted_.size() && ready(wanted_[next_])) {
+  } else if (next_ < needed_.size() && ready(needed_[next_])) {
     do_next();
     wake_ = now;
-  } else if (last_step_ && next_ >= wanted_.size()) {
+  } else if (last_step_ && next_ >= needed_.size()) {
     finish();
   } else if (stopping_ || idle_timer_.elapsed() > std::llround(settings_.deadline * 1e6)) {
     finish();  // the run broke off: what is drawn is what there is
@@ -169,54 +178,58 @@ void Watcher::tick(Micros now) try {
   outcome_ = {true, kDied, error.what()};
 }
 
-void Watcher::do_next() {
-  const int64_t step = wanted_[next_++];
+void RendererRole::do_next() {
+  const int64_t step = needed_[next_++];
   const Moment moment = std::move(moments_[step]);
   moments_.erase(moments_.begin(), moments_.upper_bound(step));
   const bool picture = std::binary_search(pictures_.begin(), pictures_.end(), step);
-  if (stage_->needs_samples() && (step % sample_gap_ == 0 || step == pictures_.back()))
-    stage_->remember(moment);
+  if (scene_->needs_samples() && (step % sample_gap_ == 0 || step == pictures_.back()))
+    scene_->remember(moment);
   if (picture) draw(moment);
   idle_timer_.reset();
 }
 
-void Watcher::draw(const Moment& moment) {
+void RendererRole::draw(const Moment& moment) {
   const auto index = static_cast<int64_t>(times_.size());
-  folder_->write(index, painter_->draw(moment));
+  folder_->write(index, painter_->draw(scene_->shot(moment)));
   times_.push_back(moment.time);
   drawn_ = moment.step;
   idle_timer_.reset();
 
   frame_t frame{};
-  frame.run = run_, frame.step = moment.step;
+  frame.run = run_;
+  frame.step = moment.step;
   frame.path = "frames/" + std::filesystem::path(frame_path("", index)).filename().string();
-  frame.width = static_cast<int32_t>(settings_.renderer.size[0]),
+  frame.width = static_cast<int32_t>(settings_.renderer.size[0]);
   frame.height = static_cast<int32_t>(settings_.renderer.size[1]);
   frame.camera = settings_.renderer.camera;
-  untold_.push_back(frame);
+  unpublished_.push_back(frame);
 }
 
 /// FRAME for each picture that is on the disk by now.
-void Watcher::tell_written() {
+void RendererRole::publish_written() {
   const auto waiting = static_cast<size_t>(static_cast<int64_t>(times_.size()) - folder_->done());
-  for (; untold_.size() > waiting; untold_.pop_front()) {
-    untold_.front().utime = wall_now();
-    publish_(Channel::Frame, encode(untold_.front()));
+  for (; unpublished_.size() > waiting; unpublished_.pop_front()) {
+    unpublished_.front().utime = wall_now();
+    publish_(Channel::Frame, encode(unpublished_.front()));
   }
 }
 
-void Watcher::finish() {
+void RendererRole::finish() {
   folder_->finish();
-  tell_written();
+  publish_written();
   write_contact_sheet_of(run_dir_ + "/contact.png", run_dir_ + "/frames", times_);
   if (settings_.renderer.ghost > 0 && drawn_ >= 0) {
-    Picture picture = painter_->draw_ghosts(settings_.renderer.ghost);
+    Picture picture = painter_->draw(scene_->ghosts(settings_.renderer.ghost));
     picture.texts.insert(picture.texts.begin(), about_.begin(), about_.end());
     render::write_png(run_dir_ + "/ghost.png", picture.image, picture.texts);
   }
   outcome_.ended = true;
 }
 
-void Watcher::stop(Micros) { stopping_ = true, next_look_ = 0; }
+void RendererRole::stop(Micros) {
+  stopping_ = true;
+  next_look_ = 0;
+}
 
 }  // namespace lab::renderer

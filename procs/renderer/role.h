@@ -1,3 +1,4 @@
+// The renderer's side of a run: pictures while it goes on.
 #pragma once
 #include <deque>
 #include <lab/frame_t.hpp>
@@ -13,14 +14,13 @@
 
 namespace lab::renderer {
 
-/// The renderer's side of a run. It gives no credit and nobody waits for it: it keeps the states that will be
-/// pictures or parts of traces, from the bus as they come and from the log where some were missed, and draws one picture
-/// at each tick until it has drawn all. The pictures are a function of the logged steps. Files are written by another
-/// thread.
-class Watcher : public Role {
+/// It gives no credit and no process waits for it: it keeps the states that become pictures or parts of traces, from the
+/// bus as they arrive and from the log where some were missed, and draws one picture at each tick until all are drawn.
+/// The pictures are a function of the logged steps. Files are written by another thread.
+class RendererRole : public Role {
  public:
   /// `settings` holds the renderer's own keys, which RUN does not carry; the rest comes from RUN.
-  Watcher(Experiment settings, std::string run_dir, Publish publish);
+  RendererRole(Experiment settings, std::string run_dir, Publish publish);
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
@@ -46,7 +46,7 @@ class Watcher : public Role {
   void read_more_of_the_log();
   void do_next();
   void draw(const Moment&);
-  void tell_written();
+  void publish_written();
   void finish();
 
   Experiment settings_;
@@ -58,19 +58,20 @@ class Watcher : public Role {
   double dt_ = 0;
   int64_t sample_gap_ = 1;
   std::optional<Robot> robot_;
-  std::unique_ptr<Stage> stage_;
+  std::unique_ptr<RunScene> scene_;
   std::unique_ptr<Painter> painter_;
   std::unique_ptr<FrameFolder> folder_;
   render::PngTexts about_;
-  bool realtime_ = false;              ///< the newest state at each tick of its own, whatever was missed
-  std::vector<int64_t> pictures_;      ///< steps to draw, rising; none in real time
-  std::vector<int64_t> wanted_;        ///< these and the samples of traces and ghosts, rising
-  size_t next_ = 0;                    ///< index into wanted_
-  std::map<int64_t, Moment> moments_;  ///< what has come of the wanted steps; in real time the newest state
+  bool realtime_ = false;          ///< the newest state at each tick of its own, whatever was missed
+  std::vector<int64_t> pictures_;  ///< steps to draw, rising; none in real time
+  std::vector<int64_t> needed_;    ///< these and the samples of traces and ghosts, rising
+  size_t next_ = 0;                ///< index into needed_
+  std::map<int64_t, Moment>
+      moments_;  ///< what has arrived of the needed steps; in real time the newest state
   std::map<int64_t, Eigen::VectorXd>
-      references_;              ///< real time: the newest ones, which run ahead of the states
-  std::vector<double> times_;   ///< of the pictures drawn, s
-  std::deque<frame_t> untold_;  ///< FRAME of pictures that may not be written yet
+      references_;                   ///< real time: the newest ones, which run ahead of the states
+  std::vector<double> times_;        ///< of the pictures drawn, s
+  std::deque<frame_t> unpublished_;  ///< FRAME of pictures that may not be written yet
   int64_t drawn_ = -1, sampled_ = 0;
   std::optional<int64_t> last_step_;  ///< from END
   bool stopping_ = false;

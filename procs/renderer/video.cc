@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
@@ -21,10 +22,24 @@ extern char** environ;
 namespace lab::renderer {
 namespace {
 
-/// Runs a program in a folder to its end and hands every line of its output (both streams) to `hear`. Returns its exit code; -1 if
-/// it cannot be started, with errno.
+/// Even sides and 4:2:0 with BT.709 is what every player accepts. No stamp of the time or the encoder: the same film has
+/// the same bytes.
+constexpr const char* kEncoding =
+    "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv -c:v libx264 -preset "
+    "veryfast -crf 18 "
+    "-pix_fmt yuv420p -colorspace bt709 -color_primaries bt709 -color_trc bt709 -color_range tv -fflags "
+    "+bitexact "
+    "-flags:v +bitexact -movflags +faststart -f mp4";
+
+std::vector<std::string> words(const std::string& text) {
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
+/// Runs a program in a folder to its end and calls on_line with every line of its output (both streams). Returns its
+/// exit code; -1 with errno if it cannot be started.
 int run(std::vector<std::string> words, const std::string& folder,
-        const std::function<void(const std::string&)>& hear) {
+        const std::function<void(const std::string&)>& on_line) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return -1;
   posix_spawn_file_actions_t files;
@@ -44,7 +59,7 @@ int run(std::vector<std::string> words, const std::string& folder,
   char line[1024];
   while (error == 0 && std::fgets(line, sizeof line, output)) {
     line[std::strcspn(line, "\r\n")] = '\0';
-    hear(line);
+    on_line(line);
   }
   std::fclose(output);
   if (error != 0) {
@@ -69,60 +84,19 @@ void write_video(const std::string& path, const std::string& folder, int64_t cou
                  const std::string& title, const std::function<void(int64_t done)>& progress) {
   // ffmpeg runs in the pictures' folder
   const std::string part = hidden_part(std::filesystem::absolute(path).string());
+  std::vector<std::string> command = words(fmt::format(
+      "ffmpeg -nostdin -y -loglevel error -progress pipe:1 -nostats -framerate {} -start_number 0 "
+      "-i %04d.png -frames:v {} {}",
+      fps, count, kEncoding));
+  command.insert(command.end(), {"-metadata", "title=" + title, part});
   std::string complaint;
-  // Even sides and 4:2:0 with BT.709 is what every player takes. No stamp of when or by which encoder: same film, same bytes.
-  const int code = run({"ffmpeg",
-                        "-nostdin",
-                        "-y",
-                        "-loglevel",
-                        "error",
-                        "-progress",
-                        "pipe:1",
-                        "-nostats",
-                        "-framerate",
-                        fmt::format("{}", fps),
-                        "-start_number",
-                        "0",
-                        "-i",
-                        "%04d.png",
-                        "-frames:v",
-                        std::to_string(count),
-                        "-vf",
-                        "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
-                        "-c:v",
-                        "libx264",
-                        "-preset",
-                        "veryfast",
-                        "-crf",
-                        "18",
-                        "-pix_fmt",
-                        "yuv420p",
-                        "-colorspace",
-                        "bt709",
-                        "-color_primaries",
-                        "bt709",
-                        "-color_trc",
-                        "bt709",
-                        "-color_range",
-                        "tv",
-                        "-fflags",
-                        "+bitexact",
-                        "-flags:v",
-                        "+bitexact",
-                        "-metadata",
-                        "title=" + title,
-                        "-movflags",
-                        "+faststart",
-                        "-f",
-                        "mp4",
-                        part},
-                       folder, [&](const std::string& line) {
-                         const auto equal = line.find('=');
-                         if (line.starts_with("frame="))
-                           progress(std::strtoll(line.c_str() + 6, nullptr, 10));
-                         else if (equal == std::string::npos || line.find(' ') < equal)
-                           complaint = line;  // not of -progress
-                       });
+  const int code = run(std::move(command), folder, [&](const std::string& line) {
+    const auto equal = line.find('=');
+    if (line.starts_with("frame="))
+      progress(std::strtoll(line.c_str() + 6, nullptr, 10));
+    else if (equal == std::string::npos || line.find(' ') < equal)
+      complaint = line;  // not of -progress
+  });
   if (code == 0 && std::rename(part.c_str(), path.c_str()) == 0) return;
   if (complaint.empty())
     complaint =

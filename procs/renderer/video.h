@@ -1,3 +1,4 @@
+// Films: numbered pictures into one H.264 file, by ffmpeg.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -5,11 +6,11 @@
 
 namespace lab::renderer {
 
-/// Throws std::runtime_error with one line that says what to do if there is no ffmpeg.
+/// Throws std::runtime_error with one line that says how to install ffmpeg if it is missing.
 void need_ffmpeg();
 
 /// FOLDER/0000.png and on, `count` pictures, as an H.264 film. The file takes its final name only when it is whole.
-/// Throws std::runtime_error with ffmpeg's own words.
+/// Throws std::runtime_error with ffmpeg's message.
 void write_video(const std::string& path, const std::string& folder, int64_t count, double fps,
                  const std::string& title, const std::function<void(int64_t done)>& progress);
 

@@ -27,12 +27,12 @@ struct Child {
 };
 
 /// A line up the pipe: "" for a picture, else what went wrong.
-void tell(int pipe, std::string line) {
+void report(int pipe, std::string line) {
   std::replace(line.begin(), line.end(), '\n', ' ');
   line += '\n';
   for (size_t done = 0; done < line.size();) {
     const ssize_t n = write(pipe, line.data() + done, line.size() - done);
-    if (n < 0 && errno != EINTR) _exit(1);  // nobody is there any more
+    if (n < 0 && errno != EINTR) _exit(1);  // the parent is gone
     if (n > 0) done += static_cast<size_t>(n);
   }
 }
@@ -44,10 +44,13 @@ void tell(int pipe, std::string line) {
   setenv("LP_NUM_THREADS", std::to_string(std::max(1u, cores / static_cast<unsigned>(workers))).c_str(), 0);
   try {
     const auto worker = make_worker();
-    for (int64_t i = which; i < count; i += workers) worker->draw(i), tell(pipe, "");
+    for (int64_t i = which; i < count; i += workers) {
+      worker->draw(i);
+      report(pipe, "");
+    }
     worker->finish();
   } catch (const std::exception& error) {
-    tell(pipe, error.what());
+    report(pipe, error.what());
     _exit(1);
   }
   _exit(0);  // without the parent's destructors and buffers
@@ -59,13 +62,16 @@ struct Children {
   ~Children() {
     for (Child& child : all) {
       if (child.pipe >= 0) close(child.pipe);
-      if (child.pid > 0) kill(child.pid, SIGTERM), waitpid(child.pid, nullptr, 0);
+      if (child.pid > 0) {
+        kill(child.pid, SIGTERM);
+        waitpid(child.pid, nullptr, 0);
+      }
     }
   }
 };
 
-/// Reads what a child has said, or its end.
-void hear(Child& child) {
+/// Reads the lines of a child, or its end.
+void read_from(Child& child) {
   char buffer[4096];
   const ssize_t n = read(child.pipe, buffer, sizeof buffer);
   if (n < 0 && errno == EINTR) return;
@@ -77,7 +83,8 @@ void hear(Child& child) {
     }
     return;
   }
-  close(child.pipe), child.pipe = -1;
+  close(child.pipe);
+  child.pipe = -1;
   int status = 0;
   while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {
   }
@@ -120,7 +127,7 @@ void draw_all(int64_t count, int workers, const std::function<std::unique_ptr<Wo
     }
     children.all.push_back({pid, ends[0], "", 0});
   }
-  for (int64_t told = 0;;) {
+  for (int64_t reported = 0;;) {
     std::vector<pollfd> waiting;
     for (const Child& child : children.all)
       if (child.pipe >= 0) waiting.push_back({child.pipe, POLLIN, 0});
@@ -129,10 +136,12 @@ void draw_all(int64_t count, int workers, const std::function<std::unique_ptr<Wo
     for (const pollfd& each : waiting)
       if (each.revents)
         for (Child& child : children.all)
-          if (child.pipe == each.fd) hear(child);
+          if (child.pipe == each.fd) read_from(child);
     // the i-th is there when its worker has drawn more than i / workers of its own
-    for (; told < count && children.all[static_cast<size_t>(told % workers)].drawn > told / workers; ++told)
-      drawn(told);
+    for (;
+         reported < count && children.all[static_cast<size_t>(reported % workers)].drawn > reported / workers;
+         ++reported)
+      drawn(reported);
   }
 }
 

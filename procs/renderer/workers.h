@@ -1,3 +1,4 @@
+// Many pictures drawn by several processes at once.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -13,13 +14,13 @@ class Worker {
   virtual void finish() = 0;  ///< after the last one
 };
 
-/// How many workers suit so many pictures on this machine.
+/// A suitable number of workers for so many pictures on this machine.
 int sensible_workers(int64_t pictures);
 
 /// Has pictures 0 to count - 1 drawn by that many processes forked from this one, the i-th by worker i modulo their
 /// number: processes, because OpenGL in software draws for one context of a process at a time. Call it while this
-/// process has neither threads nor an OpenGL context. `drawn` hears of each picture in order of its number. Throws
-/// std::runtime_error with the first error of a worker; the others are ended then.
+/// process has neither threads nor an OpenGL context. `drawn` is called for each picture, in order of its number. Throws
+/// std::runtime_error with the first error of a worker; the others are killed then.
 void draw_all(int64_t count, int workers, const std::function<std::unique_ptr<Worker>()>& make_worker,
               const std::function<void(int64_t index)>& drawn);
 

@@ -4,17 +4,15 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <unordered_map>
-#include <unordered_set>
 
 namespace lab::render {
 namespace {
 
 using Eigen::Vector3f;
 
-constexpr uint32_t kMost = 96;  // triangles of a cluster
+constexpr uint32_t kMaxTriangles = 96;  // of a cluster
 
-// A triangle as a point: where it lies (in parts of the mesh's size) and where it looks.
+// A triangle as a point: its position (in units of the mesh's size) and its normal.
 using Place = std::array<float, 6>;
 
 Vector3f face_normal(const Mesh& mesh, uint32_t triangle) {
@@ -28,11 +26,13 @@ Vector3f face_normal(const Mesh& mesh, uint32_t triangle) {
 // the result does not depend on the library's sorting.
 void split(uint32_t* begin, uint32_t* end, const std::vector<Place>& places, std::vector<uint32_t>& ends) {
   const size_t count = static_cast<size_t>(end - begin);
-  if (count <= kMost) return ends.push_back(static_cast<uint32_t>(count));
+  if (count <= kMaxTriangles) return ends.push_back(static_cast<uint32_t>(count));
   Place low = places[*begin], high = low;
   for (const uint32_t* t = begin; t != end; ++t) {
-    for (int k = 0; k < 6; ++k)
-      low[k] = std::min(low[k], places[*t][k]), high[k] = std::max(high[k], places[*t][k]);
+    for (int k = 0; k < 6; ++k) {
+      low[k] = std::min(low[k], places[*t][k]);
+      high[k] = std::max(high[k], places[*t][k]);
+    }
   }
   int widest = 0;
   for (int k = 1; k < 6; ++k)
@@ -69,23 +69,6 @@ Cluster measure(const Mesh& mesh, const uint32_t* triangles, uint32_t count, boo
   c.sine = std::sqrt(std::max(0.f, 1 - c.cosine * c.cosine));
   return c;
 }
-
-struct Cell {
-  int x, y, z;
-  bool operator==(const Cell&) const = default;
-};
-
-struct Hash {
-  size_t operator()(const std::array<uint32_t, 3>& a) const {
-    uint64_t h = 0x9e3779b97f4a7c15ull;
-    for (uint32_t v : a) h = (h ^ v) * 0xff51afd7ed558ccdull, h ^= h >> 32;
-    return h;
-  }
-  size_t operator()(const Cell& c) const {
-    return (*this)(std::array<uint32_t, 3>{static_cast<uint32_t>(c.x), static_cast<uint32_t>(c.y),
-                                           static_cast<uint32_t>(c.z)});
-  }
-};
 
 }  // namespace
 
@@ -127,33 +110,6 @@ bool may_face(const Cluster& c, const Eigen::Vector4f& viewer) {
   const Vector3f d = near ? Vector3f(c.centre - viewer.head<3>()) : Vector3f(-viewer.head<3>());
   const float along = c.axis.dot(d), across = std::sqrt(std::max(0.f, d.squaredNorm() - along * along));
   return along * c.cosine - across * c.sine < (near ? c.radius : 0.f);
-}
-
-Coarse coarsen(const Mesh& mesh, float cell) {
-  Coarse out;
-  std::unordered_map<Cell, uint32_t, Hash> seen;
-  std::vector<uint32_t> point_of(mesh.positions.size()), count;
-  const Vector3f origin = mesh.bounds.min().cast<float>();
-  for (size_t i = 0; i < mesh.positions.size(); ++i) {
-    const Vector3f p = (mesh.positions[i] - origin) / cell;
-    const Cell key{static_cast<int>(p.x()), static_cast<int>(p.y()), static_cast<int>(p.z())};
-    const auto [it, fresh] = seen.try_emplace(key, static_cast<uint32_t>(out.positions.size()));
-    if (fresh) out.positions.emplace_back(Vector3f::Zero()), count.push_back(0);
-    point_of[i] = it->second;
-    out.positions[it->second] += mesh.positions[i];
-    ++count[it->second];
-  }
-  for (size_t i = 0; i < count.size(); ++i) out.positions[i] /= static_cast<float>(count[i]);
-  std::unordered_set<std::array<uint32_t, 3>, Hash> kept;
-  for (size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
-    std::array<uint32_t, 3> p{point_of[mesh.indices[t]], point_of[mesh.indices[t + 1]],
-                              point_of[mesh.indices[t + 2]]};
-    if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;
-    std::array<uint32_t, 3> key = p;
-    std::sort(key.begin(), key.end());
-    if (kept.insert(key).second) out.indices.insert(out.indices.end(), p.begin(), p.end());
-  }
-  return out;
 }
 
 }  // namespace lab::render

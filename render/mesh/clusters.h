@@ -1,6 +1,5 @@
-// What the renderer makes of a mesh before OpenGL sees it. In software every triangle costs, seen or not, so
-// meshes are cut into clusters of triangles that lie together and face alike: a cluster that looks away from
-// the eye as a whole is left out. Shadows make do with a coarse stand-in.
+// Cuts a mesh into clusters of triangles that lie together and face the same way. Software rendering pays for every
+// triangle, visible or not: a cluster that faces away from the eye as a whole is not drawn.
 #pragma once
 
 #include <vector>
@@ -28,14 +27,5 @@ Clusters cut_into_clusters(const Mesh& mesh);
 // Can any triangle of the cluster face the viewer? viewer: its place and 1, or the direction towards it and 0
 // (far away); in the mesh's axes. Never wrongly false.
 bool may_face(const Cluster& cluster, const Eigen::Vector4f& viewer);
-
-struct Coarse {
-  std::vector<Eigen::Vector3f> positions;
-  std::vector<uint32_t> indices;
-};
-
-// All points of one cell of a grid become their mean; what is left of the triangles. No point moves by more
-// than the diagonal of a cell, `cell` metres wide.
-Coarse coarsen(const Mesh& mesh, float cell);
 
 }  // namespace lab::render

@@ -1,14 +1,10 @@
-// Fewer triangles for nearly the same picture: half-edge collapses ordered by quadric error (Garland and
-// Heckbert 1997, "Surface simplification using quadric error metrics"). A vertex is only ever moved onto a
-// neighbour, so every vertex that is left is one of the file's, with its own texture coordinate; creases
-// stay.
+#include "render/mesh/decimate.h"
+
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <queue>
 #include <unordered_map>
-
-#include "render/mesh/mesh.h"
 
 namespace lab::render {
 namespace {
@@ -23,9 +19,15 @@ struct Quadric {
   Vector3d b = Vector3d::Zero();
   double c = 0;
 
-  void add(const Vector3d& n, double d) { a += n * n.transpose(), b += d * n, c += d * d; }
+  void add(const Vector3d& n, double d) {
+    a += n * n.transpose();
+    b += d * n;
+    c += d * d;
+  }
   Quadric& operator+=(const Quadric& q) {
-    a += q.a, b += q.b, c += q.c;
+    a += q.a;
+    b += q.b;
+    c += q.c;
     return *this;
   }
   double operator()(const Vector3d& x) const { return std::max(0.0, x.dot(a * x) + 2 * b.dot(x) + c); }
@@ -55,6 +57,8 @@ void make_normals(Mesh& mesh) {
     if (sums[v].norm() > 0) mesh.normals[v] = sums[v].normalized().cast<float>();
 }
 
+// A vertex is only ever moved onto a neighbour, so every vertex that is left is one of the file's, with its own
+// texture coordinate; creases stay.
 class Decimator {
  public:
   explicit Decimator(const Mesh& mesh) : mesh_(mesh), corners_(mesh.indices) {
@@ -63,10 +67,10 @@ class Decimator {
     find_fixed();
   }
 
-  void run(size_t wanted, double error) {
+  void run(size_t triangles, double error) {
     for (uint32_t p = 0; p < place_.size(); ++p)
       for (uint32_t q : neighbours(p)) offer(p, q);
-    while (alive_ > wanted && !moves_.empty()) {
+    while (alive_ > triangles && !moves_.empty()) {
       const Move m = moves_.top();
       moves_.pop();
       if (age_[m.from] != m.from_age || age_[m.to] != m.to_age) continue;
@@ -153,7 +157,8 @@ class Decimator {
   // Points on the rim of a hole, which move along it; and points that must stay: on a side of two triangles
   // in the same direction or of more than two, where rims meet, where looks meet, where the texture is cut.
   void find_fixed() {
-    fixed_.resize(place_.size(), false), rim_.resize(place_.size(), false);
+    fixed_.resize(place_.size(), false);
+    rim_.resize(place_.size(), false);
     struct Side {
       uint32_t low, high;
       bool forward;
@@ -174,7 +179,8 @@ class Decimator {
       const uint32_t low = sides[i].low, high = sides[i].high;
       const bool pair = end - i == 2 && sides[i].forward != sides[i + 1].forward;
       if (end - i == 1) {
-        ++rims[low], ++rims[high];
+        ++rims[low];
+        ++rims[high];
         add_wall(low, high, sides[i].triangle);
       } else if (!pair) {
         fixed_[low] = fixed_[high] = true;
@@ -194,7 +200,8 @@ class Decimator {
         if (look[p] != ~0u && !looks_alike(mesh_.surfaces[look[p]], mesh_.surfaces[s])) fixed_[p] = true;
         if (vertex[p] != ~0u && !mesh_.uvs.empty() && mesh_.uvs[vertex[p]] != mesh_.uvs[corners_[c]])
           fixed_[p] = true;
-        look[p] = s, vertex[p] = corners_[c];
+        look[p] = s;
+        vertex[p] = corners_[c];
       }
   }
 
@@ -267,7 +274,10 @@ class Decimator {
       for (uint32_t c = 3 * gone; c < 3 * gone + 3; ++c) {
         if (point(c) != to) continue;
         const double suits = mesh_.normals[corners_[c]].cast<double>().dot(face);
-        if (best == ~0u || suits > most) best = corners_[c], most = suits;
+        if (best == ~0u || suits > most) {
+          best = corners_[c];
+          most = suits;
+        }
       }
     return best;
   }
@@ -283,7 +293,10 @@ class Decimator {
         if (point(3 * t + k) == from) changes.emplace_back(3 * t + k, vertex_at(t, k, from, to, normal(p)));
     }
     for (uint32_t t : around_[from])
-      if (has(t, to)) dead_[t] = true, --alive_;
+      if (has(t, to)) {
+        dead_[t] = true;
+        --alive_;
+      }
     const std::vector<uint32_t> ring = neighbours(from);
     for (const auto& [corner, vertex] : changes) {
       corners_[corner] = vertex;
@@ -292,8 +305,12 @@ class Decimator {
     around_[from].clear();
     for (uint32_t p : ring) std::erase_if(around_[p], [&](uint32_t t) { return dead_[t]; });
     quadrics_[to] += quadrics_[from];
-    ++age_[from], ++age_[to];
-    for (uint32_t q : neighbours(to)) offer(to, q), offer(q, to);
+    ++age_[from];
+    ++age_[to];
+    for (uint32_t q : neighbours(to)) {
+      offer(to, q);
+      offer(q, to);
+    }
   }
 
   const Mesh& mesh_;

@@ -22,7 +22,10 @@ struct PositionHash {
     uint32_t bits[3];
     std::memcpy(bits, p.data(), sizeof bits);
     uint64_t h = 0x9e3779b97f4a7c15ull;
-    for (uint32_t b : bits) h = (h ^ b) * 0xff51afd7ed558ccdull, h ^= h >> 32;
+    for (uint32_t b : bits) {
+      h = (h ^ b) * 0xff51afd7ed558ccdull;
+      h ^= h >> 32;
+    }
     return h;
   }
 };
@@ -36,7 +39,8 @@ class Groups {
     return i;
   }
   void join(uint32_t a, uint32_t b) {
-    a = find(a), b = find(b);
+    a = find(a);
+    b = find(b);
     // the smaller index stays the root: the result does not depend on the order of joins
     if (a != b) parent_[std::max(a, b)] = std::min(a, b);
   }
@@ -214,7 +218,7 @@ std::vector<uint32_t> share_vertices(const Welded& w, const Soup& soup, const st
   return vertex_of;
 }
 
-// Triangles that somebody outside sees from behind, through holes or because they are the wrong way round,
+// Triangles that are seen from behind by a viewer outside, through holes or because they are the wrong way round,
 // and what touches them: between two looks there is always another one. All others may be drawn from their
 // front alone.
 std::vector<bool> find_two_sided(const Welded& w, const std::vector<bool>& turned) {

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "core/util/atomic_file.h"
+#include "render/mesh/decimate.h"
 #include "render/mesh/mesh_file.h"
 #include "render/mesh/texture.h"
 
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMany = 4;            // times the triangles wished for: then the error may be larger
+constexpr size_t kMany = 4;            // times the triangles asked for: then the error may be larger
 constexpr char kMagic[] = "lab mesh";  // 8 bytes in the file
 constexpr uintmax_t kMaxCache = 1'000'000'000;
 
@@ -82,7 +83,10 @@ std::string pack(const MeshFile& file, const std::string& path) {
   for (const std::string& warning : file.warnings) w.add_all(warning);
 
   const Mesh& mesh = *file.mesh;
-  w.add_all(mesh.positions), w.add_all(mesh.normals), w.add_all(mesh.uvs), w.add_all(mesh.colours);
+  w.add_all(mesh.positions);
+  w.add_all(mesh.normals);
+  w.add_all(mesh.uvs);
+  w.add_all(mesh.colours);
   w.add_all(mesh.indices);
   std::vector<const Texture*> textures;
   std::map<const Texture*, int64_t> number{{nullptr, -1}};
@@ -91,11 +95,19 @@ std::string pack(const MeshFile& file, const std::string& path) {
   w.add<uint64_t>(textures.size());
   for (const Texture* t : textures) {
     w.add_all(t->file);
-    if (t->file.empty()) w.add(t->width), w.add(t->height), w.add_all(t->rgba);
+    if (t->file.empty()) {
+      w.add(t->width);
+      w.add(t->height);
+      w.add_all(t->rgba);
+    }
   }
   w.add<uint64_t>(mesh.surfaces.size());
   for (const Surface& s : mesh.surfaces) {
-    w.add(s.first), w.add(s.count), w.add(s.roughness), w.add(s.coloured), w.add(s.two_sided);
+    w.add(s.first);
+    w.add(s.count);
+    w.add(s.roughness);
+    w.add(s.coloured);
+    w.add(s.two_sided);
     for (int i = 0; i < 4; ++i) w.add(s.rgba[i]);
     w.add(number[s.texture.get()]);
   }
@@ -122,13 +134,17 @@ MeshFile unpack(const std::string& bytes, const std::string& path) {
   for (r.get(count); count > 0; --count) {
     std::string other;
     uint64_t content = 0;
-    r.get_all(other), r.get(content);
+    r.get_all(other);
+    r.get(content);
     require(hash_of_file((folder / other).lexically_normal().string()) == content);
   }
   for (r.get(count); count > 0; --count) r.get_all(file.warnings.emplace_back());
 
   auto mesh = std::make_shared<Mesh>();
-  r.get_all(mesh->positions), r.get_all(mesh->normals), r.get_all(mesh->uvs), r.get_all(mesh->colours);
+  r.get_all(mesh->positions);
+  r.get_all(mesh->normals);
+  r.get_all(mesh->uvs);
+  r.get_all(mesh->colours);
   r.get_all(mesh->indices);
   const size_t n = mesh->positions.size();
   require(mesh->normals.size() == n && (mesh->uvs.empty() || mesh->uvs.size() == n) &&
@@ -143,7 +159,9 @@ MeshFile unpack(const std::string& bytes, const std::string& path) {
       continue;
     }
     auto texture = std::make_shared<Texture>();
-    r.get(texture->width), r.get(texture->height), r.get_all(texture->rgba);
+    r.get(texture->width);
+    r.get(texture->height);
+    r.get_all(texture->rgba);
     require(texture->width > 0 && texture->height > 0 &&
             texture->rgba.size() == size_t(texture->width) * texture->height * 4);
     textures.push_back(texture);
@@ -151,7 +169,11 @@ MeshFile unpack(const std::string& bytes, const std::string& path) {
   for (r.get(count); count > 0; --count) {
     Surface s;
     int64_t texture = -1;
-    r.get(s.first), r.get(s.count), r.get(s.roughness), r.get(s.coloured), r.get(s.two_sided);
+    r.get(s.first);
+    r.get(s.count);
+    r.get(s.roughness);
+    r.get(s.coloured);
+    r.get(s.two_sided);
     for (int i = 0; i < 4; ++i) r.get(s.rgba[i]);
     r.get(texture);
     require(uint64_t{s.first} + s.count <= mesh->indices.size());
@@ -219,7 +241,8 @@ MeshFile from_cache(const std::string& path, const MeshOptions& options) {
   key.add_all(std::string(LAB_MESH_CODE));
   for (unsigned v : {aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch()}) key.add(v);
   key.add_all(fs::path(path).extension().string());
-  key.add(options.triangles), key.add(options.error);
+  key.add(options.triangles);
+  key.add(options.error);
   key.add_all(bytes);
   const XXH128_hash_t name = XXH3_128bits(key.bytes.data(), key.bytes.size());
   char text[40];

@@ -21,10 +21,10 @@ struct MeshOptions {
   std::string cache = mesh_cache_folder();
 };
 
-// As load_mesh(path), decimated as wished, from the cache if it holds this very content: an entry's name is a
+// As load_mesh(path), decimated as asked, from the cache if it has an entry for this content: an entry's name is a
 // hash of the file's bytes, the options and the code that made it; files beside it (materials, textures) are
 // checked by hashes of their own. A broken or foreign entry is ignored and made again; a folder that cannot
-// be written to is no error. Entries that were not used for longest go once all together are above 1 GB. What
+// be written to is no error. Entries unused for longest are removed once all together are above 1 GB. What
 // was left out of the mesh is added to `warnings`.
 MeshPtr load_mesh(const std::string& path, const MeshOptions& options,
                   std::vector<std::string>* warnings = nullptr);

@@ -135,7 +135,8 @@ class Reader {
     if (texture.mHeight == 0)
       return decode_texture(std::string(reinterpret_cast<const char*>(texture.pcData), texture.mWidth));
     auto out = std::make_shared<Texture>();
-    out->width = static_cast<int>(texture.mWidth), out->height = static_cast<int>(texture.mHeight);
+    out->width = static_cast<int>(texture.mWidth);
+    out->height = static_cast<int>(texture.mHeight);
     for (size_t i = 0; i < size_t{texture.mWidth} * texture.mHeight; ++i) {
       const aiTexel& t = texture.pcData[i];
       out->rgba.insert(out->rgba.end(), {t.r, t.g, t.b, t.a});
@@ -143,7 +144,7 @@ class Reader {
     return out;
   }
 
-  // Where the file says, seen from the mesh; then, since exporters write paths of their own machine, a file
+  // The path in the file, relative to the mesh; then, since exporters write paths of their own machine, a file
   // of that name beside the mesh or in ../materials/textures (Gazebo's models).
   std::shared_ptr<const Texture> beside(std::string name) {
     if (name.compare(0, 7, "file://") == 0) name.erase(0, 7);
@@ -223,7 +224,7 @@ class Reader {
   std::set<std::string> asked_;
 };
 
-// What a file is by its first bytes, whatever its name says; "" if that is not known.
+// The format of a file by its first bytes, whatever its name; "" if unknown.
 std::string kind_by_contents(const std::string& path, uint64_t size) {
   std::ifstream file(path, std::ios::binary);
   char head[512] = {};

@@ -45,7 +45,8 @@ class View {
         const double depth = u * a.z() + v * b.z() + w * c.z();
         const size_t at = static_cast<size_t>(y) * kSide + static_cast<size_t>(x);
         if (depth >= depth_[at]) continue;
-        depth_[at] = depth, triangle_[at] = triangle;
+        depth_[at] = depth;
+        triangle_[at] = triangle;
       }
   }
 

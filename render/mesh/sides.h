@@ -1,4 +1,4 @@
-// Which triangles show their back to somebody outside?
+// Finds triangles whose back is visible from outside.
 #pragma once
 
 #include <Eigen/Geometry>

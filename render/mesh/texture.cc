@@ -16,7 +16,8 @@ void make_room(Texture& out, unsigned width, unsigned height) {
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
     throw std::runtime_error("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                              " pixels is not taken (1 to " + std::to_string(kMaxSide) + " a side)");
-  out.width = static_cast<int>(width), out.height = static_cast<int>(height);
+  out.width = static_cast<int>(width);
+  out.height = static_cast<int>(height);
   out.rgba.resize(size_t{width} * height * 4);
 }
 

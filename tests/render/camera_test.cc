@@ -13,7 +13,10 @@ TEST(Camera, PixelsByHand) {
   // One metre above the origin, looking along +x at a wall 2 m away; 90 degrees high: the picture is 4 m high
   // there.
   Camera camera;
-  camera.eye = {0, 0, 1}, camera.target = {2, 0, 1}, camera.up = {0, 0, 1}, camera.fov = M_PI / 2;
+  camera.eye = {0, 0, 1};
+  camera.target = {2, 0, 1};
+  camera.up = {0, 0, 1};
+  camera.fov = M_PI / 2;
   const auto expect = [&](const Vector3d& point, const Vector3d& pixel) {
     EXPECT_LT((camera.pixel(point, 400, 200) - pixel).norm(), 1e-9)
         << camera.pixel(point, 400, 200).transpose();
@@ -27,7 +30,9 @@ TEST(Camera, PixelsByHand) {
 
 TEST(Camera, ProjectionAgreesWithPixel) {
   Camera camera;
-  camera.eye = {1.2, -0.7, 0.9}, camera.target = {-0.1, 0.2, 0.3}, camera.fov = 0.8;
+  camera.eye = {1.2, -0.7, 0.9};
+  camera.target = {-0.1, 0.2, 0.3};
+  camera.fov = 0.8;
   const int w = 320, h = 200;
   const Eigen::Matrix4d m = camera.projection(double(w) / h, 0.1, 10) * camera.view().matrix();
   for (const Vector3d& p : {Vector3d(0, 0, 0), Vector3d(.3, -.2, .5), Vector3d(-1, 1, 0)}) {
@@ -50,12 +55,15 @@ TEST(Camera, NonsenseIsRefused) {
   Camera camera;
   camera.eye = camera.target;
   EXPECT_THROW(camera.view(), std::invalid_argument);
-  camera = Camera(), camera.up = camera.eye - camera.target;
+  camera = Camera();
+  camera.up = camera.eye - camera.target;
   EXPECT_THROW(camera.view(), std::invalid_argument);
-  camera = Camera(), camera.eye.x() = NAN;
+  camera = Camera();
+  camera.eye.x() = NAN;
   EXPECT_THROW(camera.view(), std::invalid_argument);
   for (double fov : {0.0, -1.0, 4.0, double(NAN)}) {
-    camera = Camera(), camera.fov = fov;
+    camera = Camera();
+    camera.fov = fov;
     EXPECT_THROW(camera.view(), std::invalid_argument);
   }
 }
@@ -105,7 +113,9 @@ TEST(Camera, NamedViewsLookTheirWay) {
 TEST(Camera, OrthographicByHand) {
   // A picture 4 m high of 400 x 200 pixels: 2 cm each, however far away.
   Camera camera;
-  camera.eye = {0, 0, 1}, camera.target = {2, 0, 1}, camera.height = 4;
+  camera.eye = {0, 0, 1};
+  camera.target = {2, 0, 1};
+  camera.height = 4;
   const int w = 400, h = 200;
   const Eigen::Matrix4d m = camera.projection(double(w) / h, -5, 10) * camera.view().matrix();
   for (double far : {-3.0, 2.0, 9.0}) {
@@ -155,10 +165,10 @@ TEST(Camera, ViewsByAngle) {
 TEST(Camera, AnOrbitSeesEverythingAtEveryAngleFromOneDistance) {
   const Bounds box(Vector3d(0, 0, 0), Vector3d(2, .3, .5));
   View view;
-  view.turn = .5;
+  view.orbit = .5;
   const Camera start = auto_frame(box, view, 4. / 3);
   for (double t = 0; t < 14; t += .37) {
-    const Camera camera = turned(start, view.turn * t);
+    const Camera camera = turned(start, view.orbit * t);
     EXPECT_NEAR((camera.eye - camera.target).norm(), (start.eye - start.target).norm(), 1e-9);
     EXPECT_NEAR(camera.eye.z(), start.eye.z(), 1e-9);
     for (int i = 0; i < 8; ++i) {

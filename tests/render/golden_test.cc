@@ -6,6 +6,7 @@
 
 #include "render/markers.h"
 #include "render/png.h"
+#include "render/trace.h"
 #include "tests/render/sample.h"
 
 namespace lab::render {

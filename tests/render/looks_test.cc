@@ -6,6 +6,8 @@
 #include <fstream>
 
 #include "render/markers.h"
+#include "render/mesh/primitives.h"
+#include "render/trace.h"
 #include "tests/render/sample.h"
 
 namespace lab::render {
@@ -28,7 +30,8 @@ Scene bare() {
 
 Camera from_x() {
   Camera camera;
-  camera.eye = {3, 0, 0}, camera.target = {0, 0, 0};
+  camera.eye = {3, 0, 0};
+  camera.target = {0, 0, 0};
   return camera;
 }
 
@@ -161,8 +164,10 @@ TEST(Looks, RoughnessWidensTheHighlight) {
     int most = 0, glinting = 0;
     for (size_t i = 0; i < image.rgb.size(); i += 3) {
       const Vector3d p(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]);
-      if (std::abs(p.x() - p.z()) < 60 && p.x() > 100)
-        ++glinting, most = std::max(most, static_cast<int>(p.x()));
+      if (std::abs(p.x() - p.z()) < 60 && p.x() > 100) {
+        ++glinting;
+        most = std::max(most, static_cast<int>(p.x()));
+      }
     }
     return std::pair(most, glinting);
   };

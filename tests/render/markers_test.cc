@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
+#include "render/trace.h"
 #include "tests/render/sample.h"
 
 namespace lab::render {
@@ -50,12 +52,35 @@ TEST(Markers, TraceIsATubeAlongItsPoints) {
   for (const auto& n : mesh.normals) ASSERT_NEAR(n.norm(), 1, 1e-5);
 }
 
+// A trace in pieces has the triangles of one in a single mesh.
+TEST(Markers, ATraceInPiecesIsTheSameTube) {
+  std::vector<Vector3d> points;
+  for (int i = 0; i <= 400; ++i) points.emplace_back(std::cos(.02 * i), std::sin(.02 * i), .002 * i);
+  const double r = .02;
+  Trace growing(r);
+  for (const Vector3d& p : points) growing.add(p, kRed);
+  const Body pieces = growing.body(), whole = make_trace(points, {kRed}, r);
+  EXPECT_GT(pieces.parts.size(), 5u);
+  const auto triangles = [](const Body& body) {
+    std::vector<std::array<float, 9>> all;
+    for (const Part& part : body.parts)
+      for (size_t i = 0; i < part.mesh->indices.size(); i += 3) {
+        std::array<float, 9> t;
+        for (size_t k = 0; k < 9; ++k) t[k] = part.mesh->positions[part.mesh->indices[i + k / 3]][k % 3];
+        all.push_back(t);
+      }
+    return all;
+  };
+  EXPECT_EQ(triangles(pieces), triangles(whole));
+}
+
 TEST(Markers, TraceColoursRunAlongIt) {
   Scene scene;
   scene.ground.visible = false;
   scene.bodies.push_back(make_trace({{0, -.5, 0}, {0, .5, 0}}, {kRed, kBlue}, .05));
   Camera camera;
-  camera.eye = {2, 0, 0}, camera.target = {0, 0, 0};
+  camera.eye = {2, 0, 0};
+  camera.target = {0, 0, 0};
   const Image image = Renderer(200, 100).draw(scene, camera);
   const auto at = [&](double y) {
     const Vector3d p = camera.pixel({.05, y, 0}, 200, 100);
@@ -88,7 +113,8 @@ TEST(Markers, ArrowsReachFromTailToTip) {
       for (const auto& p : part.mesh->positions) {
         const Vector3d w = body.pose * (part.pose * part.scale.cwiseProduct(p.cast<double>()));
         const double along = (w - tail).dot(v.normalized());
-        low = std::min(low, along), high = std::max(high, along);
+        low = std::min(low, along);
+        high = std::max(high, along);
         EXPECT_LT(((w - tail) - along * v.normalized()).norm(), .0241);
       }
     }

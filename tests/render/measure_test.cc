@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/markers.h"
+#include "render/mesh/primitives.h"
 #include "tests/render/sample.h"
 
 namespace lab::render {
@@ -45,7 +46,9 @@ double enters(const Ray& r, const Vector3d& centre, double radius, double& miss)
 
 Camera camera(bool orthographic) {
   Camera c;
-  c.eye = {1.6, -1.9, 1.2}, c.target = {.1, .1, .4}, c.fov = .8;
+  c.eye = {1.6, -1.9, 1.2};
+  c.target = {.1, .1, .4};
+  c.fov = .8;
   if (orthographic) c.height = 1.7;
   return c;
 }
@@ -80,7 +83,10 @@ TEST(Measure, DepthAndIdsOfBallsAndFloor) {
             double miss;
             const double d = enters(r, b.at, b.radius, miss);
             rim |= std::abs(miss) < .02;
-            if (d < depth) depth = d, id = b.id;
+            if (d < depth) {
+              depth = d;
+              id = b.id;
+            }
           }
           if (rim) continue;
           ASSERT_EQ(m.id[m.at(x, y)], id) << x << " " << y;

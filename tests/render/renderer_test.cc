@@ -8,6 +8,7 @@
 #include <functional>
 #include <thread>
 
+#include "render/mesh/primitives.h"
 #include "tests/render/sample.h"
 
 namespace lab::render {
@@ -37,7 +38,11 @@ std::array<double, 3> centroid(const Image& image, bool (*is)(const uint8_t*)) {
   double x = 0, y = 0, n = 0;
   for (int row = 0; row < image.height; ++row)
     for (int column = 0; column < image.width; ++column)
-      if (is(image.at(column, row))) x += column + .5, y += row + .5, n += 1;
+      if (is(image.at(column, row))) {
+        x += column + .5;
+        y += row + .5;
+        n += 1;
+      }
   return {x / n, y / n, n};
 }
 
@@ -55,7 +60,9 @@ Eigen::Vector2d textbook_pixel(const Camera& c, const Vector3d& point) {
 
 TEST(Renderer, SmallBallsLandOnTheirPixels) {
   Camera camera;
-  camera.eye = {1.7, -2.1, 1.3}, camera.target = {.1, .2, .4}, camera.fov = 0.75;
+  camera.eye = {1.7, -2.1, 1.3};
+  camera.target = {.1, .2, .4};
+  camera.fov = 0.75;
   for (Quality quality : {Quality::kDraft, Quality::kLive, Quality::kFine}) {
     Renderer renderer(kWidth, kHeight, quality);
     for (const Vector3d& at :
@@ -83,7 +90,8 @@ TEST(Renderer, PosesScalesAndNestingApply) {
   body.parts[0].pose.linear() = Eigen::AngleAxisd(-.4, Vector3d::UnitX()).toRotationMatrix();
   scene.bodies.push_back(body);
   Camera camera;
-  camera.eye = {2, -1.5, 1.4}, camera.target = {.2, 0, .5};
+  camera.eye = {2, -1.5, 1.4};
+  camera.target = {.2, 0, .5};
   const Image image = draw(scene, camera);
   Eigen::AlignedBox2d expected, seen;
   for (int i = 0; i < 8; ++i) {
@@ -94,7 +102,10 @@ TEST(Renderer, PosesScalesAndNestingApply) {
   }
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
-      if (red(image.at(x, y))) seen.extend(Eigen::Vector2d(x, y)), seen.extend(Eigen::Vector2d(x + 1, y + 1));
+      if (red(image.at(x, y))) {
+        seen.extend(Eigen::Vector2d(x, y));
+        seen.extend(Eigen::Vector2d(x + 1, y + 1));
+      }
   EXPECT_LT((seen.min() - expected.min()).cwiseAbs().maxCoeff(),
             1.5);  // a tip thinner than half a pixel is not "red"
   EXPECT_LT((seen.max() - expected.max()).cwiseAbs().maxCoeff(), 1.5);
@@ -108,7 +119,8 @@ TEST(Renderer, TheNearerOneHidesTheOther) {
       const Body b = sample_body("blue", make_box({.1, .4, .4}), {-.3, 0, 0}, kBlue);
       scene.bodies = red_first ? std::vector<Body>{r, b} : std::vector<Body>{b, r};
       Camera camera;
-      camera.eye = {2 * side, 0, 0}, camera.target = {0, 0, 0};
+      camera.eye = {2 * side, 0, 0};
+      camera.target = {0, 0, 0};
       const Image image = draw(scene, camera);
       EXPECT_EQ(red(image.at(kWidth / 2, kHeight / 2)), side > 0);
       EXPECT_EQ(blue(image.at(kWidth / 2, kHeight / 2)), side < 0);
@@ -123,7 +135,8 @@ TEST(Renderer, CrossingBodiesAreResolvedPerPixel) {
     scene.bodies.back().pose.linear() = Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
   }
   Camera camera;
-  camera.eye = {0, -2, 0}, camera.target = {0, 0, 0};
+  camera.eye = {0, -2, 0};
+  camera.target = {0, 0, 0};
   const Image image = draw(scene, camera);
   // At angle +0.7 the plate's left half comes towards the eye (at -y), its right half goes away.
   EXPECT_TRUE(red(image.at(kWidth / 2 - 20, kHeight / 2)));
@@ -134,7 +147,8 @@ TEST(Renderer, FloorHidesWhatIsBelowIt) {
   Scene scene;
   scene.bodies.push_back(sample_body("ball", make_sphere(.2), {0, 0, -.5}, kBlue));
   Camera camera;
-  camera.eye = {0, -2, 2}, camera.target = {0, 0, 0};
+  camera.eye = {0, -2, 2};
+  camera.target = {0, 0, 0};
   for (Quality quality : {Quality::kDraft, Quality::kLive}) {
     scene.ground.visible = true;
     EXPECT_EQ(centroid(draw(scene, camera, quality), blue)[2], 0);
@@ -152,7 +166,8 @@ TEST(Renderer, MirroringScale) {
     return make_mesh(soup);
   }();
   Soup soup;
-  soup.positions = cone->positions, soup.indices = cone->indices;
+  soup.positions = cone->positions;
+  soup.indices = cone->indices;
   for (auto& p : soup.positions) p.x() = -p.x();
   Scene one = bare(), other = bare();
   one.bodies.push_back(sample_body("scaled", cone, {0, 0, .4}, kWhite));
@@ -175,7 +190,8 @@ TEST(Renderer, ShadowFallsWhereTheSunSaysSo) {
   const Vector3d at(0, 0, .8);
   scene.bodies.push_back(sample_body("ball", make_sphere(.15), at, kWhite));
   Camera camera;
-  camera.eye = {0, -2.5, 2.5}, camera.target = {0, 0, .2};
+  camera.eye = {0, -2.5, 2.5};
+  camera.target = {0, 0, .2};
   for (const Vector3d& sun : {Vector3d(0.5, -.3, 1), Vector3d(-1, .5, 1.2)}) {
     scene.light.towards = 3 * sun;
     scene.bodies[0].casts_shadow = true;
@@ -199,7 +215,8 @@ TEST(Renderer, NoSurfaceShadesItself) {
   scene.bodies.push_back(sample_body("ball", make_sphere(.5, 96), {0, 0, 0}, kWhite));
   scene.light.towards = {0, -1, .6};
   Camera camera;
-  camera.eye = {0, -2, 1.2}, camera.target = {0, 0, 0};
+  camera.eye = {0, -2, 1.2};
+  camera.target = {0, 0, 0};
   const Image fine = draw(scene, camera, Quality::kFine), live = draw(scene, camera, Quality::kLive);
   int differing = 0;
   for (size_t i = 0; i < fine.rgb.size(); ++i) differing += std::abs(fine.rgb[i] - live.rgb[i]) > 3;
@@ -211,12 +228,14 @@ TEST(Renderer, GlassShowsWhatIsBehind) {
   scene.bodies.push_back(sample_body("glass", make_box({.1, .5, .5}), {.5, 0, 0}, {.05f, .05f, .9f, .5f}));
   scene.bodies.push_back(sample_body("red", make_box({.1, .5, .5}), {-.5, 0, 0}, kRed));
   Camera camera;
-  camera.eye = {3, 0, 0}, camera.target = {0, 0, 0};
+  camera.eye = {3, 0, 0};
+  camera.target = {0, 0, 0};
   for (Quality quality : {Quality::kDraft, Quality::kFine}) {
     const Image both = draw(scene, camera, quality);
     scene.bodies[0].visible = false;
     const Image behind = draw(scene, camera, quality);
-    scene.bodies[0].visible = true, scene.bodies[0].parts[0].rgba[3] = 1;
+    scene.bodies[0].visible = true;
+    scene.bodies[0].parts[0].rgba[3] = 1;
     const Image front = draw(scene, camera, quality);
     scene.bodies[0].parts[0].rgba[3] = .5f;
     const uint8_t *m = both.at(kWidth / 2, kHeight / 2), *b = behind.at(kWidth / 2, kHeight / 2),
@@ -232,14 +251,17 @@ TEST(Renderer, GlassShowsWhatIsBehind) {
 TEST(Renderer, MaterialsKeepTheirColourUnlessRepainted) {
   Soup soup;
   const MeshPtr box = make_box({.5, .5, .5});
-  soup.positions = box->positions, soup.indices = box->indices;
+  soup.positions = box->positions;
+  soup.indices = box->indices;
   soup.looks.resize(1);
-  soup.looks[0].coloured = true, soup.looks[0].rgba = kBlue;
+  soup.looks[0].coloured = true;
+  soup.looks[0].rgba = kBlue;
   soup.triangle_look.assign(12, 0);
   Scene scene = bare();
   scene.bodies.push_back(sample_body("box", make_mesh(soup), {0, 0, 0}, kRed));
   Camera camera;
-  camera.eye = {2, 0, .5}, camera.target = {0, 0, 0};
+  camera.eye = {2, 0, .5};
+  camera.target = {0, 0, 0};
   EXPECT_TRUE(blue(draw(scene, camera).at(kWidth / 2, kHeight / 2)));
   scene.bodies[0].parts[0].repaint = true;
   EXPECT_TRUE(red(draw(scene, camera).at(kWidth / 2, kHeight / 2)));
@@ -319,11 +341,14 @@ TEST(Renderer, NonsenseIsRefusedInOneLine) {
   Scene scene = sample_scene();
   scene.bodies[1].pose.translation().x() = NAN;
   EXPECT_NE(error_of([&] { renderer.draw(scene, Camera()); }).find("'post'"), std::string::npos);
-  scene = sample_scene(), scene.bodies[2].parts[0].scale.y() = 0;
+  scene = sample_scene();
+  scene.bodies[2].parts[0].scale.y() = 0;
   EXPECT_NE(error_of([&] { renderer.draw(scene, Camera()); }).find("'ball'"), std::string::npos);
-  scene = sample_scene(), scene.light.towards.setZero();
+  scene = sample_scene();
+  scene.light.towards.setZero();
   EXPECT_NE(error_of([&] { renderer.draw(scene, Camera()); }).find("light"), std::string::npos);
-  scene = sample_scene(), scene.ground.spacing = 0;
+  scene = sample_scene();
+  scene.ground.spacing = 0;
   EXPECT_NE(error_of([&] { renderer.draw(scene, Camera()); }).find("floor"), std::string::npos);
   Camera camera;
   camera.target = camera.eye;
@@ -333,7 +358,7 @@ TEST(Renderer, NonsenseIsRefusedInOneLine) {
 
 TEST(Renderer, SaysWhoDraws) {
   const std::string info = Renderer(8, 8, Quality::kDraft).gl_info();
-  EXPECT_NE(info.find("OSMesa"), std::string::npos);
+  EXPECT_TRUE(info.starts_with("OSMesa, ") || info.starts_with("EGL, ")) << info;
   EXPECT_NE(info.find("Core Profile"), std::string::npos) << info;
 }
 

@@ -2,6 +2,7 @@
 // golden pictures.
 #pragma once
 
+#include "render/mesh/primitives.h"
 #include "render/renderer.h"
 
 namespace lab::render {

@@ -33,9 +33,9 @@ TEST(Encoder, KeepsAFewJobsAndThenMakesThePusherWait) {
   std::thread pusher([&] {
     for (int i = 0; i < 10; ++i) encoder.push([open] { open.wait(); }), ++pushed;
   });
-  while (pushed < static_cast<int>(Encoder::kMost)) std::this_thread::yield();
+  while (pushed < static_cast<int>(Encoder::kMaxWaiting)) std::this_thread::yield();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));  // time to do wrong
-  EXPECT_EQ(pushed, static_cast<int>(Encoder::kMost));
+  EXPECT_EQ(pushed, static_cast<int>(Encoder::kMaxWaiting));
   EXPECT_EQ(encoder.done(), 0);
   gate.set_value();
   pusher.join();

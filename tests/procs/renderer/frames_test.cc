@@ -61,7 +61,8 @@ TEST_F(FramesTest, NumbersTextsAndBytes) {
 
 TEST_F(FramesTest, DepthsAndIds) {
   render::Measurement seen;
-  seen.width = 3, seen.height = 1;
+  seen.width = 3;
+  seen.height = 1;
   seen.depth = {0.5f, 1.2344f, INFINITY};
   seen.id = {1, 2, 0};
   FrameFolder files(folder_.string(), {{"run", "1"}});
@@ -101,8 +102,11 @@ TEST_F(FramesTest, AContactSheetHasTwelveEvenlyChosenFramesInOrder) {
   FrameFolder files(folder_.string(), {{"run", "abc"}, {"renderer", "r"}});
   for (int i = 0; i < kFrames; ++i) {
     render::Image image(64, 48);
-    for (size_t k = 0; k < image.rgb.size(); k += 3)
-      image.rgb[k] = 255, image.rgb[k + 1] = static_cast<uint8_t>(i), image.rgb[k + 2] = 0;
+    for (size_t k = 0; k < image.rgb.size(); k += 3) {
+      image.rgb[k] = 255;
+      image.rgb[k + 1] = static_cast<uint8_t>(i);
+      image.rgb[k + 2] = 0;
+    }
     files.write(i, {image, {{"step", "1"}}});
     times.push_back(0.1 * i);
   }

@@ -48,13 +48,13 @@ TEST(Pictures, DepthsAndLinksAreThoseOfThePose) {
     SCOPED_TRACE(keys);
     const Experiment e = sample_experiment(keys);
     const Robot robot = load_robot(e);
-    Stage stage(robot, e);
-    Painter painter(stage);
+    RunScene run(robot, e);
+    Painter painter(run);
     rbd::Data data(robot.model);
     for (int64_t step : {0, 70, 200}) {
       const Moment moment = sample_moment(robot.model, step, 0.1);
-      const render::Measurement seen = painter.measure(moment);
-      const render::Camera camera = stage.camera(moment);
+      const render::Measurement seen = painter.measure(run.shot(moment));
+      const render::Camera camera = run.shot(moment).camera;
       rbd::forwardKinematics(robot.model, data, moment.q);
       std::map<int, int> pixels;
       double worst = 0;
@@ -62,14 +62,13 @@ TEST(Pictures, DepthsAndLinksAreThoseOfThePose) {
         for (int x = 0; x < seen.width; ++x) {
           const int id = seen.id[seen.at(x, y)];
           if (id == 0) continue;
-          ASSERT_LT(static_cast<size_t>(id), stage.links().size());
+          ASSERT_LT(static_cast<size_t>(id), run.links().size());
           ++pixels[id];
           const Vector3d point =
               unprojected(camera, x, y, seen.depth[seen.at(x, y)], seen.width, seen.height);
           double nearest = INFINITY;
           for (const auto& shape : robot.geometry.visual) {
-            if (robot.model.frames[shape.parentFrame].name != stage.links()[static_cast<size_t>(id)])
-              continue;
+            if (robot.model.frames[shape.parentFrame].name != run.links()[static_cast<size_t>(id)]) continue;
             const rbd::SE3 pose = data.oMi[shape.parentJoint] * shape.placement;
             nearest = std::min(nearest,
                                distance(shape, pose.rotation().transpose() * (point - pose.translation())));
@@ -87,19 +86,19 @@ TEST(Pictures, DepthsAndLinksAreThoseOfThePose) {
 TEST(Pictures, LinksAreSeenWhereTheirMiddlesAre) {
   const Experiment e = sample_experiment("{size: [320, 240]}");
   const Robot robot = load_robot(e);
-  Stage stage(robot, e);
-  Painter painter(stage);
+  RunScene run(robot, e);
+  Painter painter(run);
   rbd::Data data(robot.model);
   int direct = 0;
   for (int64_t step = 0; step <= 200; step += 40) {
     const Moment moment = sample_moment(robot.model, step);
-    const render::Measurement seen = painter.measure(moment);
+    const render::Measurement seen = painter.measure(run.shot(moment));
     rbd::forwardKinematics(robot.model, data, moment.q);
     for (const auto& shape : robot.geometry.visual) {
-      const Vector3d pixel =
-          stage.camera(moment).pixel((data.oMi[shape.parentJoint] * shape.placement).translation(), 320, 240);
+      const Vector3d pixel = run.shot(moment).camera.pixel(
+          (data.oMi[shape.parentJoint] * shape.placement).translation(), 320, 240);
       const size_t at = seen.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
-      const bool own = stage.links()[seen.id[at]] == robot.model.frames[shape.parentFrame].name;
+      const bool own = run.links()[seen.id[at]] == robot.model.frames[shape.parentFrame].name;
       direct += own;
       EXPECT_LT(seen.depth[at], pixel.z())
           << shape.name << ": its surface, or what hides it, is in front of its middle";
@@ -119,21 +118,21 @@ TEST(Pictures, TheTraceLiesWhereTheToolWas) {
   const Experiment with = sample_experiment("{trace: effector_body, " + size + "}"),
                    without = sample_experiment("{" + size + "}");
   const Robot robot = load_robot(with);
-  Stage stage(robot, with), bare(robot, without);
+  RunScene run(robot, with), bare(robot, without);
   rbd::Data data(robot.model);
   std::vector<Vector3d> points;
   for (int64_t step = 0; step <= 120; ++step) {
     const Moment moment = sample_moment(robot.model, step);
-    stage.remember(moment);
+    run.remember(moment);
     rbd::forwardKinematics(robot.model, data, moment.q);
     points.push_back(data.oMf[robot.model.frameId("effector_body")].translation());
   }
   const Moment now = sample_moment(robot.model, 120);
-  Painter painter(stage), plain(bare);
-  const render::Image a = painter.draw(now).image, b = plain.draw(now).image;
-  const render::Measurement seen = plain.measure(now);
-  const render::Camera camera = stage.camera(now);
-  ASSERT_EQ(camera.eye, bare.camera(now).eye);
+  Painter painter(run), plain(bare);
+  const render::Image a = painter.draw(run.shot(now)).image, b = plain.draw(bare.shot(now)).image;
+  const render::Measurement seen = plain.measure(bare.shot(now));
+  const render::Camera camera = run.shot(now).camera;
+  ASSERT_EQ(camera.eye, bare.shot(now).camera.eye);
 
   std::vector<Vector3d> pixels;
   for (const Vector3d& point : points) pixels.push_back(camera.pixel(point, 320, 240));
@@ -167,10 +166,10 @@ TEST(Pictures, TheTraceLiesWhereTheToolWas) {
 TEST(Pictures, TextsSayStepTimeAndCamera) {
   const Experiment e = sample_experiment("{size: [64, 48], camera: top}");
   const Robot robot = load_robot(e);
-  Stage stage(robot, e);
-  Painter painter(stage);
+  RunScene run(robot, e);
+  Painter painter(run);
   const Moment moment = sample_moment(robot.model, 150);
-  const Picture picture = painter.draw(moment);
+  const Picture picture = painter.draw(run.shot(moment));
   std::map<std::string, std::string> texts(picture.texts.begin(), picture.texts.end());
   EXPECT_EQ(texts["step"], "150");
   EXPECT_EQ(texts["time"], "1.500000 s");
@@ -181,24 +180,24 @@ TEST(Pictures, TextsSayStepTimeAndCamera) {
                         &back.up[0], &back.up[1], &back.up[2], &back.fov),
             10)
       << texts["camera"];
-  EXPECT_LT((back.eye - stage.camera(moment).eye).norm(), 1e-4);
-  EXPECT_LT((back.target - stage.camera(moment).target).norm(), 1e-4);
+  EXPECT_LT((back.eye - run.shot(moment).camera.eye).norm(), 1e-4);
+  EXPECT_LT((back.target - run.shot(moment).camera.target).norm(), 1e-4);
 }
 
 TEST(Pictures, ArrowsAndLegendShowWhatTheySay) {
   const Experiment e = sample_experiment("{size: [320, 240], trace: effector_body}");
   const Robot robot = load_robot(e);
   const auto draw = [&](Extras extras) {
-    Stage stage(robot, e, std::move(extras));
+    RunScene run(robot, e, std::move(extras));
     for (int64_t step = 0; step <= 100; ++step) {
       Moment moment = sample_moment(robot.model, step);
       moment.v[0] = 1;
-      stage.remember(moment);
+      run.remember(moment);
     }
-    stage.frame_all();
+    run.finish_run();
     Moment moment = sample_moment(robot.model, 60);
     moment.v[0] = 1;
-    return Painter(stage).draw(moment).image;
+    return Painter(run).draw(run.shot(moment)).image;
   };
   const render::Image plain = draw({});
   const auto differing = [&](const render::Image& image, int rows_from) {

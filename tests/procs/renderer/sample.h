@@ -2,7 +2,7 @@
 #include <rbd/algorithm/configuration.h>
 
 #include "lab/experiment/experiment_yaml.h"
-#include "procs/renderer/stage.h"
+#include "procs/renderer/run_scene.h"
 
 /// A motion of the sample arm, known in closed form, for tests of its pictures.
 namespace lab::renderer {
@@ -25,9 +25,10 @@ inline Moment sample_moment(const rbd::Model& model, int64_t step, double error 
   start << -0.5, 0.6, -1.0, 0, 0.4, 0;
   goal << 0.7, 0.9, -0.7, 0.3, 0.2, 0.5;
   Moment moment;
-  moment.step = step, moment.time = static_cast<double>(step) * 0.01;
-  moment.wanted = start + blend * (goal - start);
-  moment.q = moment.wanted;
+  moment.step = step;
+  moment.time = static_cast<double>(step) * 0.01;
+  moment.reference = start + blend * (goal - start);
+  moment.q = moment.reference;
   moment.q[0] += error;
   moment.v = Eigen::VectorXd::Zero(model.nv);
   return moment;

@@ -6,6 +6,9 @@
 #include <array>
 #include <random>
 
+#include "render/mesh/primitives.h"
+#include "render/mesh/stand_in.h"
+
 namespace lab::render {
 namespace {
 
@@ -57,7 +60,9 @@ TEST(Clusters, NoTriangleThatFacesTheViewerIsLeftOut) {
         for (uint32_t i = each.first; i < each.first + each.count; i += 3) {
           const bool seen = faces(*mesh, &c.indices[i], viewer);
           ASSERT_TRUE(drawn || !seen);
-          left_out += !drawn, looks_away += !seen, ++total;
+          left_out += !drawn;
+          looks_away += !seen;
+          ++total;
         }
       }
     }
@@ -80,7 +85,7 @@ TEST(Clusters, OpenSurfacesAreSeenFromBothSides) {
 TEST(Clusters, CoarseMeshStaysWithinACell) {
   const MeshPtr ball = make_sphere(.5, 96);
   const float cell = .05f;
-  const Coarse coarse = coarsen(*ball, cell);
+  const CoarseMesh coarse = coarsen(*ball, cell);
   EXPECT_LT(coarse.indices.size(), ball->indices.size() / 3);
   EXPECT_GT(coarse.indices.size(), 600u);
   for (const Vector3f& p : coarse.positions) EXPECT_NEAR(p.norm(), .5f, cell * std::sqrt(3.f));

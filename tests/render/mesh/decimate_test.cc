@@ -1,8 +1,11 @@
+#include "render/mesh/decimate.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "render/mesh/mesh.h"
+#include "render/mesh/primitives.h"
 
 namespace lab::render {
 namespace {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "render/mesh/mesh_file.h"
 #include "render/png.h"
 
 namespace lab::render {
@@ -87,7 +88,8 @@ TEST_F(MeshCacheTest, TheSecondReadIsTheSame) {
 
 TEST_F(MeshCacheTest, OptionsAndContentHaveEntriesOfTheirOwn) {
   load();
-  options_.triangles = 2, options_.error = 0.1;
+  options_.triangles = 2;
+  options_.error = 0.1;
   load();
   EXPECT_EQ(entries().size(), 2u);
   write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "render/mesh/primitives.h"
 #include "render/mesh/texture.h"
 #include "render/png.h"
 
@@ -263,8 +264,10 @@ std::string jpeg_of(int width, int height, uint8_t r, uint8_t g, uint8_t b) {
   unsigned char* data = nullptr;
   unsigned long size = 0;
   jpeg_mem_dest(&info, &data, &size);
-  info.image_width = static_cast<JDIMENSION>(width), info.image_height = static_cast<JDIMENSION>(height);
-  info.input_components = 3, info.in_color_space = JCS_RGB;
+  info.image_width = static_cast<JDIMENSION>(width);
+  info.image_height = static_cast<JDIMENSION>(height);
+  info.input_components = 3;
+  info.in_color_space = JCS_RGB;
   jpeg_set_defaults(&info);
   jpeg_start_compress(&info, TRUE);
   std::vector<uint8_t> line;

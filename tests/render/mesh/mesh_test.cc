@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "render/mesh/primitives.h"
+
 namespace lab::render {
 namespace {
 
@@ -82,7 +84,8 @@ TEST(Mesh, SphereConvergesWithSecondOrder) {
   double dv[2], ds[2];
   for (int k : {0, 1}) {
     const MeshPtr m = make_sphere(r, 24 << k);
-    dv[k] = v - volume(*m), ds[k] = s - area(*m);
+    dv[k] = v - volume(*m);
+    ds[k] = s - area(*m);
     expect_closed(*m);
     expect_outward(*m);
     for (size_t i = 0; i < m->positions.size(); ++i)
@@ -193,7 +196,9 @@ TEST(Mesh, ColoursMakeSurfaces) {
 TEST(Mesh, GivenNormalsAreKeptWhenTheyMeanSomething) {
   const MeshPtr ball = make_sphere(1, 12);
   Soup soup;
-  soup.positions = ball->positions, soup.normals = ball->normals, soup.indices = ball->indices;
+  soup.positions = ball->positions;
+  soup.normals = ball->normals;
+  soup.indices = ball->indices;
   const MeshPtr kept = make_mesh(soup);
   for (size_t i = 0; i < kept->positions.size(); ++i)
     EXPECT_LT((kept->normals[i] - kept->positions[i]).norm(), 1e-4);
@@ -206,20 +211,30 @@ TEST(Mesh, BadSoupIsRefused) {
   Soup soup = good;
   soup.indices[5] = 1000;
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
-  soup = good, soup.positions[3].y() = NAN;
+  soup = good;
+  soup.positions[3].y() = NAN;
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
-  soup = good, soup.indices.pop_back();
+  soup = good;
+  soup.indices.pop_back();
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
-  soup = good, soup.looks.resize(1), soup.triangle_look.resize(3);
+  soup = good;
+  soup.looks.resize(1);
+  soup.triangle_look.resize(3);
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
-  soup = good, soup.triangle_look.resize(12, 0);
+  soup = good;
+  soup.triangle_look.resize(12, 0);
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
-  soup = good, soup.uvs.resize(3);
+  soup = good;
+  soup.uvs.resize(3);
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
-  soup = good, soup.normals.resize(3);
+  soup = good;
+  soup.normals.resize(3);
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
   EXPECT_THROW(make_mesh({}), std::invalid_argument);
-  for (Vector3f& p : soup.positions) p.z() = 0, p.y() = 0;  // a line
+  for (Vector3f& p : soup.positions) {
+    p.z() = 0;
+    p.y() = 0;
+  }  // a line
   soup.normals.clear();
   EXPECT_THROW(make_mesh(soup), std::invalid_argument);
 }

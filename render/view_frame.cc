@@ -1,4 +1,4 @@
-#include "render/sight.h"
+#include "render/view_frame.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -10,20 +10,21 @@ namespace lab::render {
 using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
-Eigen::AlignedBox2d Sight::floor() const {
+Eigen::AlignedBox2d ViewFrame::floor() const {
   const Eigen::Vector2d half = Eigen::Vector2d::Constant(floor_radius);
   return {floor_centre - half, floor_centre + half};
 }
 
-Matrix4d Sight::shadow_from_world() const {
+Matrix4d ViewFrame::shadow_from_world() const {
   Matrix4d m = Matrix4d::Identity();
   m.topLeftCorner<3, 3>() *= 0.5;
   m.topRightCorner<3, 1>().setConstant(0.5);
   return m * shadow.clip_from_world;
 }
 
-Sight make_sight(const Scene& scene, const Camera& camera, const Bounds& all, int width, int height) {
-  Sight s;
+ViewFrame make_view_frame(const Scene& scene, const Camera& camera, const Bounds& all, int width,
+                          int height) {
+  ViewFrame s;
   const Eigen::Isometry3d to_camera = camera.view();
   s.sun = scene.light.towards.normalized();
   if (!s.sun.allFinite() || s.sun.norm() < 0.5 || !(scene.light.strength >= 0 && scene.light.strength <= 100))
@@ -35,7 +36,7 @@ Sight make_sight(const Scene& scene, const Camera& camera, const Bounds& all, in
   const Vector3d back = to_camera.linear().row(2).transpose();
   s.eye = camera.orthographic() ? Eigen::Vector4d(back.x(), back.y(), back.z(), 0) : camera.eye.homogeneous();
   const double reach = (camera.eye - camera.target).norm(), above = camera.eye.z() - scene.ground.height;
-  s.floor_seen = scene.ground.visible && (camera.orthographic() ? back.z() > 1e-3 : above > 0);
+  s.floor_visible = scene.ground.visible && (camera.orthographic() ? back.z() > 1e-3 : above > 0);
   s.floor_centre = camera.target.head<2>();
   s.floor_radius = 7 * std::max(reach, above);
   // Depth range: from close to the eye to behind both the bodies and the end of the floor.
@@ -50,16 +51,16 @@ Sight make_sight(const Scene& scene, const Camera& camera, const Bounds& all, in
   pinhole.height = 0;
   Matrix4d turn = Matrix4d::Identity();
   turn.topLeftCorner<3, 3>() = to_camera.linear();
-  s.sight_from_clip = (pinhole.projection(aspect, 1, 2) * turn).inverse();
+  s.ray_from_clip = (pinhole.projection(aspect, 1, 2) * turn).inverse();
   return s;
 }
 
-Eigen::Array4i covered(const Sight& sight, const Bounds& box, int width, int height) {
+Eigen::Array4i covered_pixels(const ViewFrame& view, const Bounds& box, int width, int height) {
   if (box.isEmpty()) return {0, 0, 0, 0};
   Eigen::AlignedBox2d seen;
   for (int i = 0; i < 8; ++i) {
     const Vector3d corner = box.corner(static_cast<Bounds::CornerType>(i));
-    const Eigen::Vector4d c = sight.clip_from_world * corner.homogeneous();
+    const Eigen::Vector4d c = view.clip_from_world * corner.homogeneous();
     if (!(c.w() > 1e-6)) return {0, 0, width, height};  // it reaches behind the eye
     seen.extend(c.head<2>() / c.w());
   }

@@ -7,13 +7,13 @@
 
 namespace lab::render {
 
-struct Sight {
+struct ViewFrame {
   Eigen::Vector4d eye;  // its place and 1; orthographic: the direction towards it and 0
   Eigen::Vector3d sun;  // unit vector towards it
   Eigen::Matrix4d clip_from_world;
-  Eigen::Matrix4d sight_from_clip;   // directions of lines of sight, for the sky
+  Eigen::Matrix4d ray_from_clip;     // directions of lines of sight, for the sky
   Eigen::Vector4d depth_from_world;  // row: metres along the view direction
-  bool floor_seen = false;
+  bool floor_visible = false;
   Eigen::Vector2d floor_centre{0, 0};
   double floor_radius = 0;
   ShadowView shadow;
@@ -24,10 +24,10 @@ struct Sight {
 
 // Checks camera, light and ground: throws std::invalid_argument that names what is wrong. `all`: the box
 // around all bodies, so that none is cut off behind.
-Sight make_sight(const Scene& scene, const Camera& camera, const Bounds& all, int width, int height);
+ViewFrame make_view_frame(const Scene& scene, const Camera& camera, const Bounds& all, int width, int height);
 
 // The pixels (x, y, width, height; from the lower left corner) that a box may cover, somewhat more than
 // needed, within a picture.
-Eigen::Array4i covered(const Sight& sight, const Bounds& box, int width, int height);
+Eigen::Array4i covered_pixels(const ViewFrame& view, const Bounds& box, int width, int height);
 
 }  // namespace lab::render

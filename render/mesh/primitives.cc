@@ -1,9 +1,8 @@
-// The generated meshes of mesh.h, with exact normals.
+#include "render/mesh/primitives.h"
+
 #include <cmath>
 #include <span>
 #include <stdexcept>
-
-#include "render/mesh/mesh.h"
 
 namespace lab::render {
 namespace {

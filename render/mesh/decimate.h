@@ -1,0 +1,15 @@
+// Decimation: fewer triangles for nearly the same picture. Half-edge collapses ordered by quadric error (Garland and
+// Heckbert 1997, "Surface simplification using quadric error metrics").
+#pragma once
+
+#include "render/mesh/mesh.h"
+
+namespace lab::render {
+
+// Vertices are moved onto their neighbours, cheapest first,
+// until `triangles` are left or the next move would leave the surface by more than `error` metres (distance
+// to the planes of all triangles that a vertex stands for; 0 = flat parts only). Corners, seams of colour or
+// texture and rims of holes stay, and so do creases; normals are made anew, from what is left. Deterministic.
+MeshPtr decimate(const Mesh& mesh, size_t triangles, double error);
+
+}  // namespace lab::render
