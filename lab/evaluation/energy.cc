@@ -26,7 +26,7 @@ Energy balance(const Run& run) {
     const double kinetic = rbd::computeKineticEnergy(run.model, data, s.q, s.v);
     out.energy.push_back(kinetic + rbd::computePotentialEnergy(run.model, data, s.q));
     if (!run.stored.empty()) out.energy.back() += run.stored[k];
-    if (!run.given.empty()) work += run.given[k];
+    if (!run.external_work.empty()) work += run.external_work[k];
     if (k > 0) {
       const RobotState& before = run.states[k - 1];
       rbd::difference(run.model, before.q, s.q, way);

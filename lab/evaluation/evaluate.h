@@ -19,9 +19,10 @@ struct Run {
   Eigen::VectorXd damping, friction;  ///< nv, of the simulator
   std::vector<RobotState> states;     ///< by step, step 0 first: the true ones
   std::vector<Reference> references;  ///< for the same steps
-  std::vector<double> stored,
-      given;  ///< J, by state, empty = none: energy beside the model's own; work over the step that led here
-  int64_t last_step = 0;  ///< that the experiment wanted
+  // J, one entry a state, empty = none (procs/simulator/replay.h)
+  std::vector<double> stored;         ///< energy beside the model's own
+  std::vector<double> external_work;  ///< over the step that led here
+  int64_t last_step = 0;              ///< that the experiment wanted
   bool aborted = false;
   std::string reason;  ///< of the abort
   double band = 0.01;  ///< rad, m: within this error a joint counts as settled

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "lab/experiment/experiment_yaml.h"
-#include "procs/simulator/ledger.h"
+#include "procs/simulator/replay.h"
 #include "wire/log/log_reader.h"
 #include "wire/protocol/convert.h"
 #include "wire/schema/codec.h"
@@ -43,7 +43,7 @@ LoggedRun read_run(const std::string& log) {
   std::map<int64_t, Reference> references;
   std::map<int64_t, Command> commands;
   std::map<int64_t, int64_t> command_steps;  // by the state that it led to
-  simulator::Told told;
+  simulator::SimulatorInputs inputs;
   simulator::Config plant;
   Guard guard;
   LogReader reader(log);
@@ -80,7 +80,7 @@ LoggedRun read_run(const std::string& log) {
       if (!plant.sensors.perfect()) commands.try_emplace(message.step, to_signal(message));
     } else if (*channel == Channel::Input) {
       const auto message = decode<input_t>(event.data);
-      told.actions[message.step].push_back(to_signal(message.action));
+      inputs.actions[message.step].push_back(to_signal(message.action));
     } else if (*channel == Channel::End) {
       const auto end = decode<end_t>(event.data);
       out.run.aborted = end.aborted;
@@ -91,14 +91,15 @@ LoggedRun read_run(const std::string& log) {
 
   if (!plant.sensors.perfect()) {
     try {
-      told.commands = by_step_led_to(command_steps, commands);
-      out.run.states = simulator::true_states(plant, out.run.states, told);
+      inputs.commands = by_step_led_to(command_steps, commands);
+      out.run.states = simulator::true_states(plant, out.run.states, inputs);
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(log + ": " + error.what());
     }
   }
-  simulator::Ledger ledger = simulator::ledger(plant, out.run.states, told);
-  out.run.stored = std::move(ledger.stored), out.run.given = std::move(ledger.work);
+  simulator::ExternalEnergy external = simulator::external_energy(plant, out.run.states, inputs);
+  out.run.stored = std::move(external.stored);
+  out.run.external_work = std::move(external.work);
 
   // a step counts when both its state and its reference are there
   std::vector<RobotState> whole;

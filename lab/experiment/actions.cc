@@ -35,7 +35,7 @@ std::string goal_fault(const rbd::Model& model, const Action& action) {
     char* end = nullptr;
     const double duration = std::strtod(action.text.c_str(), &end);
     if (action.text.empty() || *end || !(duration >= 0) || !std::isfinite(duration))
-      return "duration '" + action.text + "' is no time in s";
+      return "duration '" + action.text + "' is not a duration in seconds";
   }
   return "";
 }
@@ -44,7 +44,7 @@ std::string set_fault(const Experiment& e, const rbd::Model& model, const Action
   if (action.target != "controller" && action.target != "planner")
     return "'" + action.target + "' has nothing to set; the controller has " + list_of(gain_keys()) +
            ", the planner motion";
-  if (e.processes.contains(action.target)) return "";  // somebody else's: it knows its own keys
+  if (e.processes.contains(action.target)) return "";  // a foreign process knows its own keys
   if (action.target == "planner") {
     if (action.key != "motion" || action.text != "on")
       return "the planner has nothing to set but motion=on: back to its motion after a goal";
@@ -66,7 +66,7 @@ std::string push_fault(const rbd::Model& model, const Action& action) {
 std::string payload_fault(const rbd::Model& model, const Action& action) {
   if (std::string fault = frame_fault(model, action.target); !fault.empty()) return fault;
   if (std::string fault = count_fault(action, 4); !fault.empty())
-    return fault + ": mass and its place in the frame";
+    return fault + ": mass and its position in the frame";
   if (!(action.values[0] >= 0 && action.values[0] <= 1e6))
     return "payload of " + number(action.values[0]) + " kg, needed at least 0 and at most 1e+06";
   return "";

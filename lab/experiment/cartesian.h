@@ -1,3 +1,5 @@
+// Goals for a frame instead of joints. The INPUT carries the frame's goal; simulator (which refuses the impossible) and
+// planner find the joints for it with the same pure function, so that the log alone explains what follows.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -5,8 +7,6 @@
 
 #include "lab/signals/signals.h"
 
-/// Goals for a frame instead of joints. The INPUT carries what was asked for; simulator (at the door) and planner find
-/// the joints for it with the same pure function, so that the log alone explains what follows.
 namespace lab {
 
 /// True if a goal names a frame, its target: values are then the frame's position in the world (m), and after it, when
@@ -19,8 +19,8 @@ struct Found {
 };
 
 /// A configuration for it. First from `from` on (may be null), as near to it as the target allows; if that leads nowhere,
-/// from neutral and then from random configurations, always the same ones: so whatever the door lets in, without knowing
-/// `from`, is found by everybody.
+/// from neutral and then from random configurations, always the same ones: so every process finds a configuration for
+/// what the simulator, which does not know `from`, has accepted.
 Found find_configuration(const rbd::Model&, const Action&, const Eigen::VectorXd* from);
 
 }  // namespace lab

@@ -23,7 +23,7 @@ void fail(const Experiment& experiment, const std::string& key, const std::strin
       throw ExperimentError(it->second + ": " + key + ": " + message);
     if (at.find_first_of(".[") == std::string::npos) break;
   }
-  // what is missing stands nowhere; the kind that needs it does
+  // a missing key has no line; the kind that needs it has one
   if (auto it = experiment.where.find(key.substr(0, key.find('.')) + ".kind"); it != experiment.where.end())
     throw ExperimentError(it->second + ": " + key + ": " + message);
   throw ExperimentError((experiment.file.empty() ? "experiment" : experiment.file) + ": " + key + ": " +
@@ -35,7 +35,7 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   std::string best;
   int best_distance = std::max(2, static_cast<int>(leaf(word).size() / 3)) + 1;
   for (const std::string& candidate : candidates) {
-    // the same last word in another section is nearly as near as a slip of the pen
+    // the same last word in another section is nearly as near as a typing error
     const int distance =
         std::min(rbd::editDistance(word, candidate), rbd::editDistance(leaf(word), leaf(candidate)) + 1);
     if (distance >= best_distance) continue;

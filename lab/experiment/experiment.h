@@ -21,7 +21,7 @@ struct ExperimentError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A number per joint as people write it: one for all joints, a list in model order, or joint name: number
+/// A number per joint as in the file: one for all joints, a list in model order, or joint name: number
 /// (joints not named keep the default). Unset means that the default holds everywhere.
 /// lab/experiment/joints.h turns it into a vector once the model is known.
 struct JointValues {
@@ -130,7 +130,7 @@ struct Experiment {
     std::string frame;  ///< the tool of cartesian_impedance
     int64_t every = 1;  ///< steps between commands
     bool limit_effort = false;
-    struct OwnModel {                                          ///< what the controller believes
+    struct OwnModel {                                          ///< errors of the controller's model
       double mass_scale = 1;                                   ///< every mass and inertia times this
       std::map<std::string, std::array<double, 3>> com_shift;  ///< body: m, in its axes
       std::vector<std::string> without;                        ///< bodies that it does not know
@@ -154,8 +154,8 @@ struct Experiment {
     std::string follow;         ///< frame that the camera goes along with
     std::string quality = "live";
     int64_t ghost = 0;       ///< poses in ghost.png; 0 = no such picture
-    std::string trace;       ///< frame whose way is drawn
-    bool reference = false;  ///< what is wanted is drawn too
+    std::string trace;       ///< frame whose trajectory is drawn
+    bool reference = false;  ///< the reference is drawn too
     bool operator==(const Renderer&) const = default;
   } renderer;
 
@@ -166,7 +166,7 @@ struct Experiment {
 
   struct Safety {
     double timeout = 0.02;         ///< s: an older command is stale (real time)
-    std::string hold = "gravity";  ///< or damping: what the robot does while nobody may drive it
+    std::string hold = "gravity";  ///< or damping: what the robot does while held
     std::string rearm = "auto";    ///< or manual
     bool operator==(const Safety&) const = default;
   } safety;

@@ -18,14 +18,16 @@ class Writer {
   template <class T>
   void write(const std::string& path, const T& member) {
     if constexpr (std::is_same_v<T, std::string>)
-      if (member.empty()) return;  // a name that nothing needs
+      if (member.empty()) return;  // not needed
     const std::string value = text(member);
     if (value.empty()) return;  // unset: the default holds
     // open the sections that this key does not share with the one before
     size_t shared = 0, at = 0, depth = 0;
     while ((at = path.find('.', shared)) != std::string::npos &&
-           section_.compare(0, at + 1, path, 0, at + 1) == 0)
-      shared = at + 1, ++depth;
+           section_.compare(0, at + 1, path, 0, at + 1) == 0) {
+      shared = at + 1;
+      ++depth;
+    }
     while ((at = path.find('.', shared)) != std::string::npos) {
       out_.append(2 * depth++, ' ') += path.substr(shared, at - shared) + ":\n";
       shared = at + 1;
@@ -44,7 +46,7 @@ class Writer {
   std::string text(int64_t value) const { return std::to_string(value); }
   std::string text(bool value) const { return value ? "true" : "false"; }
 
-  /// A word as it is if no YAML reader can take it for anything else, else in quotes.
+  /// A word as it is if every YAML reader takes it for a text, else in quotes.
   std::string text(const std::string& value) const {
     if (value.empty()) return "";  // not given
     static const std::set<std::string> reserved{"true", "false", "null", "yes", "no",

@@ -78,7 +78,10 @@ class Document {
     std::getline(parts, part, '.');
     for (; std::getline(parts, next, '.'); part = next) {
       YAML::Node below = at[part];
-      if (!below.IsDefined() || below.IsNull()) below = YAML::Node(YAML::NodeType::Map), at[part] = below;
+      if (!below.IsDefined() || below.IsNull()) {
+        below = YAML::Node(YAML::NodeType::Map);
+        at[part] = below;
+      }
       if (!below.IsMap()) throw ExperimentError(head + path + ": '" + part + "' is not a map in " + file_);
       at.reset(below);
     }
@@ -137,7 +140,7 @@ class Document {
 
   void unknown(const YAML::Node& node, const std::string& path, const std::string& place) {
     if (node.IsMap() &&
-        node.size() > 0) {  // a misspelt section; if it is like none, what stands in it gives a better guess
+        node.size() > 0) {  // a misspelt section; if it is like none, its keys give a better guess
       if (const std::string near = did_you_mean(path, sections()); !near.empty()) {
         faults.push_back(place + ": unknown section '" + path + "'" + near);
         return;
@@ -193,7 +196,7 @@ Experiment parse_experiment(const std::string& text, const std::string& file,
       yaml::read(leaf->second, key, member);
     } catch (const Fault& fault) {
       const std::string path = key.name + fault.below;
-      std::string at = path;  // what is missing stands nowhere: then where it should be
+      std::string at = path;  // a missing part has no line: then that of the whole
       while (!document.where.contains(at)) at.resize(at.find_last_of(".["));
       faults.push_back(document.where[at] + ": " + path + ": " + fault.message);
     }

@@ -1,3 +1,6 @@
+// Experiments as text: experiments/*.yaml, the experiment.yaml of a run's folder, and the text that RUN
+// carries. What needs the robot (joint names, vector sizes, limits) is checked later, where the vectors are
+// made.
 #pragma once
 #include <span>
 #include <string>
@@ -6,9 +9,6 @@
 
 #include "lab/experiment/experiment.h"
 
-/// Experiments as text: experiments/*.yaml, the experiment.yaml of a run's folder, and the text that RUN
-/// carries. What needs the robot (joint names, vector sizes, limits) is checked later, where the vectors are
-/// made.
 namespace lab {
 
 /// Reads an experiment from YAML. `overrides` are "a.b=value", applied over the text. Missing keys get
@@ -17,7 +17,7 @@ namespace lab {
 Experiment parse_experiment(const std::string& text, const std::string& file,
                             const std::vector<std::string>& overrides = {});
 
-/// One override, and where somebody wrote it ("FILE:LINE"): messages about its value begin with that.
+/// One override, and where it was written ("FILE:LINE"): messages about its value begin with that.
 struct Override {
   std::string text;
   std::string place = "--set";
@@ -39,7 +39,7 @@ std::string resolve(const Experiment&);
 std::vector<std::pair<std::string, std::string>> key_values(const Experiment&);
 
 /// The text for RUN: fixed order, %.17g, only keys that can change the log; a model file is written "urdf",
-/// since its text travels apart. parse_experiment gives back an experiment that runs the same.
+/// since its text is another field. parse_experiment gives back an experiment that runs the same.
 std::string canonical(const Experiment&);
 
 /// docs/experiments.md's table of keys.

@@ -1,9 +1,9 @@
+// XXH3, 64 bits: not cryptographic; tells texts and files apart.
 #pragma once
 #include <cstdint>
 #include <string>
 #include <string_view>
 
-/// XXH3, 64 bits: not for secrets, for telling texts and files apart.
 namespace lab {
 
 int64_t hash_of(std::string_view text);

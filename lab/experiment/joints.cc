@@ -35,7 +35,10 @@ void spread(const Experiment& e, const std::string& key, const JointValues& valu
   std::vector<int> joints;  // those with one degree of freedom, in model order
   std::vector<std::string> names;
   for (int j = 1; j < model.njoints; ++j)
-    if (model.joints[j].nv() == 1) joints.push_back(j), names.push_back(model.names[j]);
+    if (model.joints[j].nv() == 1) {
+      joints.push_back(j);
+      names.push_back(model.names[j]);
+    }
 
   if (const auto* one = std::get_if<double>(&values.value)) {
     for (int j : joints) put(j, *one);

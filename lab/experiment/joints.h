@@ -1,3 +1,7 @@
+// From "a number per joint" to vectors of a model. Only joints with one degree of freedom count: one
+// number is for all of them, a list has one number for each in model order, a map names them. A floating
+// base gets the fallback, unless a list has as many numbers as the whole vector. A joint that follows another
+// has no number: it is not counted, and naming it is an error. Throws ExperimentError with the key's place.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -8,10 +12,6 @@
 #include "lab/experiment/experiment.h"
 #include "lab/signals/signals.h"
 
-/// From "a number per joint" to vectors of a model. Only joints with one degree of freedom can be meant: one
-/// number is for all of them, a list has one number for each in model order, a map names them. A floating
-/// base gets the fallback, unless a list has as many numbers as the whole vector. A joint that follows another
-/// has no number: it is not counted, and naming it is an error. Throws ExperimentError with the key's place.
 namespace lab {
 
 /// nv entries; `fallback` where nothing is given.
@@ -34,7 +34,7 @@ std::string joint_fault(const rbd::Model&, const std::string& name);
 rbd::FrameIndex named_frame(const Experiment&, const std::string& key, const std::string& name,
                             const rbd::Model&);
 
-/// Why a frame cannot be pushed, loaded or led somewhere: it does not exist, or stands on the ground. "" if it can.
+/// Why a frame cannot be pushed, loaded or given a goal: it does not exist, or is fixed to the ground. "" if it can.
 std::string frame_fault(const rbd::Model&, const std::string& name);
 
 /// Name of the joint that velocity entry i belongs to.

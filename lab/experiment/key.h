@@ -2,6 +2,7 @@
 #pragma once
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lab {
@@ -16,6 +17,15 @@ struct Key {
   double min = -kInf, max = kInf;    ///< of every number
   std::vector<std::string> words{};  ///< that a text may be; empty = any
   bool canonical = true;             ///< part of RUN's text: can change what is logged
+
+  Key one_of(std::vector<std::string> all) && {
+    words = std::move(all);
+    return std::move(*this);
+  }
+  Key outside_run() && {
+    canonical = false;
+    return std::move(*this);
+  }
 };
 
 }  // namespace lab

@@ -1,3 +1,4 @@
+// The robot of an experiment, as every process must see it.
 #pragma once
 #include <rbd/model/geometry.h>
 #include <rbd/model/model.h>
@@ -8,7 +9,6 @@
 
 #include "lab/experiment/experiment.h"
 
-/// The robot of an experiment, as every process must see it.
 namespace lab {
 
 struct Robot {

@@ -1,3 +1,5 @@
+// One value of an experiment's text, by the type of the member that takes it: read(node, key, member) throws Fault for
+// a value of another kind or out of the key's bounds.
 #pragma once
 #include <yaml-cpp/yaml.h>
 
@@ -13,8 +15,6 @@
 #include "core/util/number.h"
 #include "lab/experiment/keys.h"
 
-/// One value of an experiment's text, by the type of the member that takes it: read(node, key, member) throws Fault for
-/// a value of another kind or out of the key's bounds.
 namespace lab::yaml {
 
 /// Thrown while one value is read; the reader adds where it stands.

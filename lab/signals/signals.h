@@ -1,11 +1,11 @@
+// The plain values that steps take and give. A step knows these and the core, and nothing of LCM;
+// wire/protocol turns them into messages and back. Vectors are in model order, SI units.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-/// The plain values that steps take and give. A step knows these and the core, and nothing of LCM;
-/// procs/wire turns them into messages and back. Vectors are in model order, SI units.
 namespace lab {
 
 /// The robot as simulated at one step.
@@ -31,13 +31,13 @@ struct Command {
   int64_t state_step = -1;  ///< of the state that it was made from
 };
 
-/// What a person or tool asks for, once the simulator has accepted it. See lcmtypes/action_t.lcm.
+/// A request of a person or tool that the simulator has accepted. See lcmtypes/action_t.lcm.
 struct Action {
   std::string verb, target, key, text;
   std::vector<double> values;
 };
 
-/// Something worth a line in the log: what happened, to whom, why (the value seen and the bound).
+/// A line for the log: what happened, to what (a joint, a process), why (the value seen and the bound).
 struct Event {
   std::string what, who, why;
 };

@@ -87,7 +87,7 @@ std::string Workbench::words(const std::exception& error) const {
 }
 
 std::optional<std::string> Workbench::work(const Job& job, const std::function<bool()>& keep_going) const {
-  const std::optional<Run> run = solo::run_direct(job.experiment, *job.robot, keep_going);
+  const std::optional<Run> run = solo::run_direct(job.experiment, job.robot->model, keep_going);
   if (!run) return std::nullopt;
   return result_line(job.key, evaluate(*run, job.experiment.expect));
 }

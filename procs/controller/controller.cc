@@ -62,7 +62,7 @@ Output step(const Config& config, State& state, const Input& input) {
     config.kind->law(config, state, input, tau);
   } catch (
       const std::
-          exception&) {  // numbers too large for the dynamics: who sends commands refuses what is not finite
+          exception&) {  // numbers too large for the dynamics; the sender refuses a command that is not finite
     tau.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   for (const rbd::JointModel& joint : config.model.joints)

@@ -1,3 +1,6 @@
+// The controller: joint effort from state and reference, a pure function of config, state and input.
+// A new controller is one function and one row of a table (laws.cc, or one of your own: docs/extend.md). It knows its own
+// model, which may be wrong on purpose (own_model.h). Nothing drives a floating base: its entries are 0.
 #pragma once
 #include <rbd/algorithm/data.h>
 
@@ -9,9 +12,6 @@
 #include "lab/experiment/live_gains.h"
 #include "lab/signals/signals.h"
 
-/// Joint effort from what is and what is wanted: a pure function of config, state and input.
-/// A new controller is one function and one row of a table (laws.cc, or one's own: docs/extend.md). It knows its own
-/// model, which may be wrong on purpose (own_model.h). Nothing drives a floating base: its entries are 0.
 namespace lab::controller {
 
 struct Config;

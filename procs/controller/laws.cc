@@ -39,11 +39,11 @@ void computed_torque(const Config& c, State& s, const Input& in, Eigen::VectorXd
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;  // no allocation
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
-/// x of least length with A x = b, for a symmetric A that is not negative. Directions in which A is below `least` times
-/// its largest eigenvalue are left alone: there a task is out of the joints' reach.
-SmallVector solve(const Small& A, const SmallVector& b, double least) {
+/// The shortest x with A x = b, for a symmetric positive semidefinite A. Directions in which A is below `min_ratio` times
+/// its largest eigenvalue are left out: there the joints cannot move the task.
+SmallVector solve(const Small& A, const SmallVector& b, double min_ratio) {
   const Eigen::SelfAdjointEigenSolver<Small> eigen(A);
-  const double floor = least * eigen.eigenvalues()[A.rows() - 1];  // they come in rising order
+  const double floor = min_ratio * eigen.eigenvalues()[A.rows() - 1];  // they come in rising order
   SmallVector x = SmallVector::Zero(A.rows());
   for (Eigen::Index i = 0; i < A.rows(); ++i)
     if (eigen.eigenvalues()[i] > floor)
@@ -62,33 +62,34 @@ Rows held_rows(const Gains& gains) {
   return {3, held(1) ? 3 : 0};
 }
 
-/// tau0 -= J^T Lambda J M^-1 tau0, Lambda = (J M^-1 J^T)^-1: what is left of tau0 does not accelerate the tool.
+/// tau0 -= J^T Lambda J M^-1 tau0, Lambda = (J M^-1 J^T)^-1: the rest of tau0 does not accelerate the tool.
 void project(const Eigen::Ref<const Eigen::MatrixXd>& J, State& s, Eigen::VectorXd& tau0) {
   constexpr double kOutOfReach = 1e-8;  // of squares: 1e-4 of the most mobile direction
   auto MinvJt = s.minv_jt.leftCols(J.rows());
   MinvJt.noalias() = s.minv * J.transpose();
   Small mobility(J.rows(), J.rows());
   mobility.noalias() = J * MinvJt;
-  SmallVector pull(J.rows());
-  pull.noalias() = MinvJt.transpose() * tau0;
-  tau0.noalias() -= J.transpose() * solve(mobility, pull, kOutOfReach);
+  SmallVector acceleration(J.rows());
+  acceleration.noalias() = MinvJt.transpose() * tau0;
+  tau0.noalias() -= J.transpose() * solve(mobility, acceleration, kOutOfReach);
 }
 
-// tau = J^T (K dx + D dx') + nle(q, v) + N^T (Kp e + Kd e'), N^T = 1 - J^T Lambda J M^-1. dx is the way from the tool's
-// pose to that at q_ref, in world axes: the rotation vector of R_ref R^T, and p_ref - p.
+// tau = J^T (K dx + D dx') + nle(q, v) + N^T (Kp e + Kd e'), N^T = 1 - J^T Lambda J M^-1. dx is the displacement from the
+// tool's pose to that at q_ref, in world axes: the rotation vector of R_ref R^T, and p_ref - p.
 void cartesian_impedance(const Config& c, State& s, const Input& in, Eigen::VectorXd& tau) {
   rbd::forwardKinematics(c.model, s.data, in.reference.q, in.reference.v);
   const rbd::SE3 wanted = s.data.oMf[c.frame];
   const rbd::Motion wanted_speed = rbd::getFrameVelocity(c.model, s.data, c.frame, rbd::LOCAL_WORLD_ALIGNED);
   rbd::forwardKinematics(c.model, s.data, in.state.q, in.state.v);
-  const rbd::SE3 is = s.data.oMf[c.frame];
-  const rbd::Motion lag =
+  const rbd::SE3 pose = s.data.oMf[c.frame];
+  const rbd::Motion velocity_error =
       wanted_speed - rbd::getFrameVelocity(c.model, s.data, c.frame, rbd::LOCAL_WORLD_ALIGNED);
-  const Eigen::Vector3d turn = rbd::log3(Eigen::Matrix3d(wanted.rotation() * is.rotation().transpose()));
+  const Eigen::Vector3d turn = rbd::log3(Eigen::Matrix3d(wanted.rotation() * pose.rotation().transpose()));
   const auto& [stiffness, damping] = std::pair(s.gains.stiffness, s.gains.damping);
   rbd::Vector6d wrench;
-  wrench.head<3>() = stiffness[0] * turn + damping[0] * lag.angular();
-  wrench.tail<3>() = stiffness[1] * (wanted.translation() - is.translation()) + damping[1] * lag.linear();
+  wrench.head<3>() = stiffness[0] * turn + damping[0] * velocity_error.angular();
+  wrench.tail<3>() =
+      stiffness[1] * (wanted.translation() - pose.translation()) + damping[1] * velocity_error.linear();
 
   rbd::computeFrameJacobian(c.model, s.data, in.state.q, c.frame, rbd::LOCAL_WORLD_ALIGNED, s.jacobian);
   rbd::nonLinearEffects(c.model, s.data, in.state.q, in.state.v, tau);

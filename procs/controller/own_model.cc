@@ -32,7 +32,7 @@ Body find_body(const Experiment& e, const std::string& key, const std::string& n
   const bool is_link = link < model.nframes;
   if (is_link && has_mass(model.frames[link].inertia)) {
     if (model.frames[link].parentJoint == 0)
-      fail(e, key, "'" + name + "' stands on the ground; its mass moves nothing");
+      fail(e, key, "'" + name + "' is fixed to the ground; its mass moves nothing");
     return {model.frames[link].parentJoint, model.frames[link].placement, model.frames[link].inertia};
   }
   const rbd::JointIndex joint = model.getJointId(name);
@@ -47,8 +47,8 @@ Body find_body(const Experiment& e, const std::string& key, const std::string& n
            (near.empty() ? "; bodies are " + list_of(bodies(model)) : near));
 }
 
-/// `whole` less a body that is part of it (both in the same axes). What rounding leaves of nothing is nothing.
-rbd::Inertia less(const rbd::Inertia& whole, const rbd::Inertia& part) {
+/// `whole` minus a body that is part of it (both in the same axes); zero where only rounding is left.
+rbd::Inertia subtract(const rbd::Inertia& whole, const rbd::Inertia& part) {
   if (whole.mass() - part.mass() <= 1e-9 * whole.mass()) return rbd::Inertia::Zero();
   return whole + part * -1;
 }
@@ -64,7 +64,7 @@ rbd::Model own_model(const Experiment& e, const rbd::Model& nominal) {
       if (errors.without[before] == errors.without[i])
         fail(e, key, "'" + errors.without[i] + "' is given twice");
     const Body body = find_body(e, key, errors.without[i], nominal);
-    model.setInertia(body.joint, less(model.inertias[body.joint], body.placement.act(body.inertia)));
+    model.setInertia(body.joint, subtract(model.inertias[body.joint], body.placement.act(body.inertia)));
   }
   for (const auto& [name, shift] : errors.com_shift) {
     const std::string key = "controller.model.com_shift." + name;
@@ -75,7 +75,7 @@ rbd::Model own_model(const Experiment& e, const rbd::Model& nominal) {
       fail(e, key, "is taken away by controller.model.without; keep one of them");
     const Eigen::Vector3d by(shift[0], shift[1], shift[2]);
     const rbd::Inertia moved(body.inertia.mass(), body.inertia.lever() + by, body.inertia.inertia());
-    model.setInertia(body.joint, less(model.inertias[body.joint], body.placement.act(body.inertia)) +
+    model.setInertia(body.joint, subtract(model.inertias[body.joint], body.placement.act(body.inertia)) +
                                      body.placement.act(moved));
   }
   if (errors.mass_scale != 1)

@@ -1,10 +1,10 @@
+// The model that the controller uses: the nominal one with the errors of `controller.model`. Joints,
+// frames, limits and rotors are nominal; only bodies are wrong.
 #pragma once
 #include <rbd/model/model.h>
 
 #include "lab/experiment/experiment.h"
 
-/// What the controller believes of the robot: the nominal model with the errors of `controller.model`. Its joints,
-/// frames, limits and rotors stay right; only bodies are wrong.
 namespace lab::controller {
 
 /// First `without` takes bodies away, then `com_shift` moves centres of mass, then `mass_scale` scales all of them.

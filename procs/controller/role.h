@@ -1,3 +1,4 @@
+// The controller as a participant of a run.
 #pragma once
 #include <memory>
 #include <span>

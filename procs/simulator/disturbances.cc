@@ -44,13 +44,13 @@ std::vector<SoftStop> make_stops(const Experiment& e, const rbd::Model& model) {
   return stops;
 }
 
-/// A vector as people write it.
+/// [x, y, z]
 std::string text(const Eigen::Vector3d& x) {
   return "[" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + "]";
 }
 
-/// In place of what the frame carried.
-void carry(const rbd::Model& nominal, const Payload& payload, Load& load) {
+/// Replaces the payload of its frame.
+void set_payload(const rbd::Model& nominal, const Payload& payload, Load& load) {
   std::erase_if(load.payloads, [&](const Payload& other) { return other.frame == payload.frame; });
   if (payload.mass > 0) load.payloads.push_back(payload);
   const rbd::JointIndex joint = nominal.frames[payload.frame].parentJoint;
@@ -89,7 +89,8 @@ Disturbances make_disturbances(const Experiment& e, const rbd::Model& model) {
         {std::llround(payload.time / dt),
          {frame_of(key, payload.frame), payload.mass, {payload.com[0], payload.com[1], payload.com[2]}}});
   }
-  sort_by_time(out.pushes), sort_by_time(out.payloads);
+  sort_by_time(out.pushes);
+  sort_by_time(out.payloads);
   out.stops = make_stops(e, model);
   return out;
 }
@@ -107,7 +108,7 @@ void begin_step(const Disturbances& planned, const rbd::Model& nominal, int64_t 
   for (; load.next_payload < planned.payloads.size() && planned.payloads[load.next_payload].from == step;
        ++load.next_payload) {
     const Payload& payload = planned.payloads[load.next_payload].what;
-    carry(nominal, payload, load);
+    set_payload(nominal, payload, load);
     events.push_back({"payload", nominal.frames[payload.frame].name,
                       number(payload.mass) + " kg at " + text(payload.com) + " m"});
   }
@@ -119,7 +120,7 @@ std::string take(const Action& action, const rbd::Model& nominal, double dt, Loa
     if (!std::isfinite(value)) return "a value is not finite";
   if (action.verb == "payload") {
     if (std::string fault = payload_fault(nominal, action); !fault.empty()) return fault;
-    carry(nominal, {nominal.frameId(action.target), x[0], {x[1], x[2], x[3]}}, load);
+    set_payload(nominal, {nominal.frameId(action.target), x[0], {x[1], x[2], x[3]}}, load);
     return "";
   }
   if (std::string fault = push_fault(nominal, action); !fault.empty()) return fault;

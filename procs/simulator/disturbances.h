@@ -1,3 +1,5 @@
+// What acts on the simulated robot besides its motors, unknown to its controller: pushes, payloads, and
+// the soft stops before the ends of its joints.
 #pragma once
 #include <rbd/algorithm/data.h>
 
@@ -7,8 +9,6 @@
 #include "lab/experiment/experiment.h"
 #include "lab/signals/signals.h"
 
-/// What acts on the simulated robot besides its motors, and what its controller does not know: pushes, payloads, and
-/// the soft stops before the ends of its joints.
 namespace lab::simulator {
 
 /// A wrench on a frame for some steps.
@@ -26,7 +26,7 @@ struct Payload {
 };
 
 /// A spring and a damper that act beyond `low` and `high`: effort -(stiffness x + damping |x| / margin v), x how far
-/// beyond. Both set in at 0, so that nothing jumps. Source: Hunt, Crossley 1975, with a linear spring.
+/// beyond. Both begin at 0, so that nothing jumps. Source: Hunt, Crossley 1975, with a linear spring.
 struct SoftStop {
   int q = 0, v = 0;  ///< the joint's places
   double low = 0, high = 0, margin = 0, stiffness = 0, damping = 0;
@@ -53,7 +53,7 @@ Disturbances make_disturbances(const Experiment&, const rbd::Model&);
 /// What acts at one step.
 struct Load {
   explicit Load(const rbd::Model& nominal) : model(nominal) {}
-  rbd::Model model;  ///< with what it carries
+  rbd::Model model;  ///< with its payloads
   std::vector<Push> pushes;
   std::vector<Payload> payloads;
   size_t next_push = 0, next_payload = 0;  ///< of those planned

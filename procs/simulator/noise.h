@@ -1,10 +1,10 @@
+// Counter-based noise: a pure function of seed, step, joint and kind, so that any step can be recomputed on its own, in
+// any process and in any order. Not std::normal_distribution, whose numbers the standard leaves to the library.
 #pragma once
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 
-/// Counter-based noise: a pure function of seed, step, joint and kind, so that any step can be made again on its own, in
-/// any process and in any order. Not std::normal_distribution, whose numbers the standard leaves to the library.
 namespace lab::simulator {
 
 enum class NoiseKind : uint64_t { Position = 1, Velocity = 2 };

@@ -33,11 +33,16 @@ std::unique_ptr<SimulatorRole> make_role(const Experiment& experiment, const Rob
   const run_t run = make_run(experiment, robot);
   SimulatorConfig config;
   config.run = encode(run);
-  config.run_id = run.run, config.model_hash = run.model_hash, config.nonce = nonce;
-  config.nq = run.nq, config.nv = run.nv;
-  config.dt = experiment.simulator.dt, config.last_step = experiment.last_step();
-  config.every = experiment.controller.every, config.lead = experiment.planner.lead;
-  config.deadline = std::llround(experiment.deadline * 1e6),
+  config.run_id = run.run;
+  config.model_hash = run.model_hash;
+  config.nonce = nonce;
+  config.nq = run.nq;
+  config.nv = run.nv;
+  config.dt = experiment.simulator.dt;
+  config.last_step = experiment.last_step();
+  config.every = experiment.controller.every;
+  config.lead = experiment.planner.lead;
+  config.deadline = std::llround(experiment.deadline * 1e6);
   config.ready_deadline = std::llround(experiment.ready * 1e6);
   config.why_not = [experiment, model = robot.model](const Action& action) {
     return why_not(experiment, model, action);

@@ -1,3 +1,4 @@
+// The simulator as the leader of a run, in lockstep or in real time.
 #pragma once
 #include <memory>
 

@@ -37,7 +37,9 @@ Mode step(const Config& config, State& state, const Input& input, std::vector<Ev
     if (config.timeout == 0) {
       run(state, "every command is waited for", events);
     } else {
-      state.mode = Mode::Holding, state.armed = true, state.proven = 0;
+      state.mode = Mode::Holding;
+      state.armed = true;
+      state.proven = 0;
     }
   } else if (input.rearm && state.mode == Mode::Holding && !state.armed) {
     events.push_back({"rearm", "person", "after holding"});

@@ -1,3 +1,5 @@
+// Whether the robot may follow its controller: a state machine over steps, without clock. docs/safety.md has its
+// table. simulator.cc turns holding into efforts.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -6,15 +8,13 @@
 
 #include "lab/signals/signals.h"
 
-/// Whether the robot may follow its controller: a state machine over steps, without clock. docs/safety.md has its
-/// table. What holding means for the joints is the simulator's business.
 namespace lab::safety {
 
 enum class Mode {
-  Waiting,  ///< nobody has commanded yet: held
+  Waiting,  ///< no command yet: held
   Running,  ///< the newest command is in force
-  Holding,  ///< the controller was lost, or drove too fast: held until it has proven itself, or a person says so
-  Stopped,  ///< emergency stop: held until a person says `rearm`
+  Holding,  ///< the controller was lost, or moved a joint too fast: held until `prove` fresh commands, or rearm
+  Stopped,  ///< emergency stop: held until `rearm`
 };
 
 struct Config {
@@ -39,7 +39,7 @@ inline State initial(const Config& config) {
 struct Input {
   int64_t step = 0;                     ///< that the effort leads to
   std::optional<int64_t> command_from;  ///< state of a new, valid command
-  bool estop = false, rearm = false;    ///< what a person says
+  bool estop = false, rearm = false;    ///< actions of a person
 };
 
 /// True if a command made from that state is newer than all before it and not older than the timeout.

@@ -47,7 +47,8 @@ Memory::Memory(const Sensors& sensors, const RobotState& first)
 
 void Memory::keep(const RobotState& truth) {
   Moment& place = ring[static_cast<size_t>(truth.step) % ring.size()];
-  place.q = truth.q, place.v = truth.v;
+  place.q = truth.q;
+  place.v = truth.v;
 }
 
 RobotState sense(const Sensors& sensors, const Memory& memory, const RobotState& truth) {
@@ -55,7 +56,8 @@ RobotState sense(const Sensors& sensors, const Memory& memory, const RobotState&
   const Memory::Moment& seen =
       memory.ring[static_cast<size_t>(std::max<int64_t>(truth.step - sensors.delay, 0)) % memory.ring.size()];
   RobotState out = truth;
-  out.q = seen.q, out.v = seen.v;
+  out.q = seen.q;
+  out.v = seen.v;
   for (const Sensors::Noisy& joint : sensors.noisy) {
     out.q[joint.q] +=
         joint.q_deviation * gaussian(sensors.seed, truth.step, joint.joint, NoiseKind::Position);

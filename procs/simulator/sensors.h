@@ -1,3 +1,4 @@
+// Sensors: ROBOT_STATE is the true state as they measure it: q and v of some steps ago, with noise.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -6,7 +7,6 @@
 #include "lab/experiment/experiment.h"
 #include "lab/signals/signals.h"
 
-/// What ROBOT_STATE says of the true state: q and v of some steps ago, with noise.
 namespace lab::simulator {
 
 struct Sensors {
@@ -16,11 +16,11 @@ struct Sensors {
   };
   int64_t seed = 0;
   int64_t delay = 0;         ///< steps
-  std::vector<Noisy> noisy;  ///< joints of one degree of freedom; others are seen as they are
+  std::vector<Noisy> noisy;  ///< joints of one degree of freedom; others are measured exactly
   bool perfect() const { return delay == 0 && noisy.empty(); }
 };
 
-/// Throws ExperimentError: a delay too long, noise for a floating base, a log that could not be read without its gaps.
+/// Throws ExperimentError: a delay too long, noise for a floating base, a log with gaps, from which the true states could not be found.
 Sensors make_sensors(const Experiment&, const rbd::Model&);
 
 /// The last q and v, as many as the delay needs.

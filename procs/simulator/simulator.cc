@@ -15,9 +15,9 @@
 namespace lab::simulator {
 namespace {
 
-constexpr double kRunaway = 1e6;  // rad/s, m/s: no robot is that fast
-constexpr double kFarAway = 1e9;  // rad, m
-constexpr double kBrake = 0.1;    // s: speed falls to 1/e while held
+constexpr double kMaxSpeed = 1e6;     // rad/s, m/s: beyond it the run has diverged
+constexpr double kMaxPosition = 1e9;  // rad, m
+constexpr double kBrakeTime = 0.1;    // s: while held, speed falls to 1/e in this time
 
 /// True if the command may be used; an event says why not.
 bool accept(const Config& config, const Command& command, std::vector<Event>& events) {
@@ -36,9 +36,9 @@ bool accept(const Config& config, const Command& command, std::vector<Event>& ev
   return true;
 }
 
-/// The effort that holds the robot, within its limits: brings it to rest, and bears its weight.
+/// The effort that holds the robot, within its limits: brakes it, and compensates gravity.
 void hold(const Config& config, State& s) {
-  s.a = -s.robot.v / std::max(kBrake, 2 * config.dt);
+  s.a = -s.robot.v / std::max(kBrakeTime, 2 * config.dt);
   rbd::rnea(s.load.model, s.data, s.robot.q, s.robot.v, s.a, s.applied);
   if (!config.hold_gravity) s.applied -= rbd::computeGeneralizedGravity(s.load.model, s.data, s.robot.q);
   for (const rbd::JointModel& joint : config.model.joints)
@@ -87,7 +87,10 @@ void coordinate_rate(const rbd::Model& model, const Eigen::VectorXd& x, Eigen::V
     const bool planar = joint.manifold() == rbd::Manifold::PlanarPose;
     const auto axis = [planar](int k) { return planar ? (k < 2 ? 3 + k : 2) : k; };
     rbd::Vector6d m = rbd::Vector6d::Zero(), twist = rbd::Vector6d::Zero();
-    for (int k = 0; k < n; ++k) m[axis(k)] = x[at + k], twist[axis(k)] = v[at + k];
+    for (int k = 0; k < n; ++k) {
+      m[axis(k)] = x[at + k];
+      twist[axis(k)] = v[at + k];
+    }
     const rbd::Motion once = rbd::Motion(m).cross(rbd::Motion(twist)), twice = rbd::Motion(m).cross(once);
     const rbd::Vector6d more = 0.5 * once.toVector() + twice.toVector() / 12;
     for (int k = 0; k < n; ++k) v[at + k] += more[axis(k)];
@@ -99,7 +102,8 @@ void runge_kutta_4(const Config& config, State& s) {
   for (int i = 0; i < 4; ++i) {
     // the state that the slope before leads to
     if (i == 0) {
-      s.q = s.robot.q, s.slope_q[0] = s.robot.v;
+      s.q = s.robot.q;
+      s.slope_q[0] = s.robot.v;
     } else {
       s.twist = kAt[i] * config.dt * s.slope_q[i - 1];
       rbd::integrate(config.model, s.robot.q, s.twist, s.q);
@@ -133,11 +137,11 @@ Event divergence(const Config& config, const State& s) {
   for (int j = 1; j < config.model.njoints; ++j) {
     const rbd::JointModel& joint = config.model.joints[j];
     for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i)
-      if (!(std::abs(s.v[i]) <= kRunaway))
-        return {"diverged", config.model.names[j], "v " + number(s.v[i]) + ", bound " + number(kRunaway)};
+      if (!(std::abs(s.v[i]) <= kMaxSpeed))
+        return {"diverged", config.model.names[j], "v " + number(s.v[i]) + ", bound " + number(kMaxSpeed)};
     for (int i = joint.idx_q(); i < joint.idx_q() + joint.nq(); ++i)
-      if (!(std::abs(s.q[i]) <= kFarAway))
-        return {"diverged", config.model.names[j], "q " + number(s.q[i]) + ", bound " + number(kFarAway)};
+      if (!(std::abs(s.q[i]) <= kMaxPosition))
+        return {"diverged", config.model.names[j], "q " + number(s.q[i]) + ", bound " + number(kMaxPosition)};
   }
   return {};
 }
@@ -179,7 +183,8 @@ State::State(const Config& config)
       load(config.model),
       data(config.model) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(config.model.nv);
-  q = robot.q, v = robot.v;
+  q = robot.q;
+  v = robot.v;
   robot.tau = effort = applied = force = a = twist = zero;
   jacobian.setZero(6, config.model.nv);
   clamped.assign(config.model.nv, false);
@@ -195,28 +200,29 @@ RobotState sensed(const Config& config, const State& state) {
 Output step(const Config& config, State& state, const Input& input) {
   Output output;
   begin_step(config.disturbances, config.model, state.robot.step, state.load, output.events);
-  safety::Input said{.step = state.robot.step + 1, .command_from = {}};
+  safety::Input safety_input{.step = state.robot.step + 1, .command_from = {}};
   for (const Action& action : input.actions) {
     if (!is_for(action, "simulator")) continue;
     std::string why_not;
     if (action.verb == "estop")
-      said.estop = true;
+      safety_input.estop = true;
     else if (action.verb == "rearm")
-      said.rearm = true;
+      safety_input.rearm = true;
     else if (action.verb == "push" || action.verb == "payload")
       why_not = take(action, config.model, config.dt, state.load);
     else
       why_not = "the simulator has no such action";
     if (!why_not.empty()) output.events.push_back(ignored(action, "simulator", why_not));
   }
-  if (input.command && safety::fresh(config.safety, state.safety, said.step, input.command->state_step) &&
+  if (input.command &&
+      safety::fresh(config.safety, state.safety, safety_input.step, input.command->state_step) &&
       accept(config, *input.command, output.events)) {
-    said.command_from = input.command->state_step;
+    safety_input.command_from = input.command->state_step;
     state.effort = input.command->tau;
     cut_effort(config.model, "effort_clamped", state.effort, state.clamped, output.events);
   }
 
-  output.mode = safety::step(config.safety, state.safety, said, output.events);
+  output.mode = safety::step(config.safety, state.safety, safety_input, output.events);
   Event fault;
   try {
     if (output.mode == safety::Mode::Running)
@@ -235,7 +241,7 @@ Output step(const Config& config, State& state, const Input& input) {
       integrate(config, state);
     }
     fault = divergence(config, state);
-  } catch (const std::exception& e) {  // a singular mass matrix, or a state too wild to integrate
+  } catch (const std::exception& e) {  // a singular mass matrix, or a state too large to integrate
     fault = {"diverged", "simulator", e.what()};
   }
   end_step(state.load);

@@ -1,3 +1,7 @@
+// The robot as simulated: one step of time as a pure function of config, state and input.
+// a = M^-1 (tau + J^T pushes + soft stops - damping v - friction tanh(v / 0.01) - nle), armature and payloads in M and
+// nle. While holding, the command is ignored and the robot held: tau = M (-v / 0.1 s) + nle (`gravity`), or
+// without gravity's part. The true state stays inside; Output::state is as the sensors measure it.
 #pragma once
 #include <rbd/algorithm/data.h>
 
@@ -11,10 +15,6 @@
 #include "procs/simulator/safety.h"
 #include "procs/simulator/sensors.h"
 
-/// The robot as simulated: one step of time as a pure function of config, state and input.
-/// a = M^-1 (tau + J^T pushes + soft stops - damping v - friction tanh(v / 0.01) - nle), armature and payloads in M and
-/// nle. While safety says so the command is left aside and the robot held: tau = M (-v / 0.1 s) + nle (`gravity`), or
-/// without gravity's part. The truth stays here; what is given out is what the sensors say of it.
 namespace lab::simulator {
 
 enum class Integrator {
@@ -29,7 +29,7 @@ struct Config {
   Eigen::VectorXd q0, v0;             ///< nq; nv
   Eigen::VectorXd damping, friction;  ///< nv: Nm s/rad, Nm; 0 for a floating base
   safety::Config safety;              ///< with a watchdog in real time
-  bool hold_gravity = true;           ///< holding bears the robot's weight, and what it carries
+  bool hold_gravity = true;           ///< holding compensates the weight of the robot and its payloads
   Sensors sensors;
   Disturbances disturbances;
 };
@@ -55,7 +55,7 @@ struct State {
 /// At q0 and v0, step 0, tau 0.
 State initial(const Config&);
 
-/// What the sensors say now: State::robot itself if they are perfect. Output::state, and what step 0 gives out.
+/// The state as the sensors measure it now: State::robot itself if they are perfect. Output::state, also at step 0.
 RobotState sensed(const Config&, const State&);
 
 struct Input {
@@ -70,9 +70,9 @@ struct Output {
   safety::Mode mode = safety::Mode::Running;
 };
 
-/// From step k to k + 1. Takes the actions estop, rearm, push and payload. Effort beyond the limits is clamped (one event when it begins); a command of wrong
-/// size or not finite is refused with an event and the last held; a state that is no longer finite aborts.
-/// Never throws.
+/// From step k to k + 1. Takes the actions estop, rearm, push and payload. Effort beyond the limits is clamped (one event
+/// when that begins); a command of wrong size or not finite is refused with an event and the last one held; a state that
+/// is no longer finite aborts. Never throws.
 Output step(const Config&, State&, const Input&);
 
 }  // namespace lab::simulator

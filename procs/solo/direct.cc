@@ -6,13 +6,13 @@
 
 #include "procs/controller/controller.h"
 #include "procs/planner/planner.h"
-#include "procs/simulator/ledger.h"
+#include "procs/simulator/replay.h"
 #include "wire/protocol/convert.h"
 
 namespace lab::solo {
 namespace {
 
-constexpr int64_t kLook = 1024;  // steps between two questions to keep_going
+constexpr int64_t kCheckEvery = 1024;  // steps between two calls of keep_going
 
 /// As planner and controller see it: a message's time is in whole microseconds.
 RobotState received(RobotState state, double dt) {
@@ -20,7 +20,7 @@ RobotState received(RobotState state, double dt) {
   return state;
 }
 
-/// The words that lab-solo has for an effort that no guard would let pass; empty if it may be sent.
+/// Why the guard would refuse to send this effort, in the words of lab-solo; empty if it may be sent.
 std::string fault_of(const Command& command) {
   for (Eigen::Index i = 0; i < command.tau.size(); ++i)
     if (!std::isfinite(command.tau[i]))
@@ -34,25 +34,28 @@ void thin_out(Run& run, int64_t every) {
   size_t kept = 0;
   for (size_t k = 0; k < run.states.size(); ++k) {
     if (run.states[k].step % every != 0 && k + 1 != run.states.size()) continue;
-    if (kept != k)
-      run.states[kept] = std::move(run.states[k]), run.references[kept] = std::move(run.references[k]);
+    if (kept != k) {
+      run.states[kept] = std::move(run.states[k]);
+      run.references[kept] = std::move(run.references[k]);
+    }
     ++kept;
   }
-  run.states.resize(kept), run.references.resize(kept);
+  run.states.resize(kept);
+  run.references.resize(kept);
 }
 
 }  // namespace
 
-std::optional<Run> run_direct(const Experiment& e, const Robot& robot,
+std::optional<Run> run_direct(const Experiment& e, const rbd::Model& model,
                               const std::function<bool()>& keep_going) {
-  const simulator::Config plant = simulator::make_config(e, robot.model);
-  const planner::Config plan = planner::make_config(e, robot.model);
-  const controller::Config control = controller::make_config(e, robot.model);
+  const simulator::Config plant = simulator::make_config(e, model);
+  const planner::Config plan = planner::make_config(e, model);
+  const controller::Config control = controller::make_config(e, model);
   simulator::State plant_state = simulator::initial(plant);
   planner::State plan_state = planner::initial(plan);
   controller::State control_state = controller::initial(control);
 
-  Run run = begin_run(e, robot.model);
+  Run run = begin_run(e, model);
   const int64_t lead = e.planner.lead, every = e.controller.every;
   run.states.reserve(static_cast<size_t>(std::min<int64_t>(run.last_step + 1, 1 << 20)));
   run.references.reserve(run.states.capacity());
@@ -60,7 +63,10 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot,
     if (step <= run.last_step)
       run.references.push_back(planner::step(plan, plan_state, {.step = step, .state = state}).reference);
   };
-  const auto give_up = [&](std::string reason) { run.aborted = true, run.reason = std::move(reason); };
+  const auto give_up = [&](std::string reason) {
+    run.aborted = true;
+    run.reason = std::move(reason);
+  };
 
   // the first references go out before there is a state
   for (int64_t step = 0; step < lead; ++step) refer(step, nullptr);
@@ -68,7 +74,7 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot,
   RobotState seen = received(simulator::sensed(plant, plant_state), run.dt);
   Command command;
   for (int64_t k = 0; !run.aborted; ++k) {
-    if (k % kLook == 0 && keep_going && !keep_going()) return std::nullopt;
+    if (k % kCheckEvery == 0 && keep_going && !keep_going()) return std::nullopt;
     refer(k + lead, &seen);
     const bool due = k % every == 0;
     if (due) {
@@ -88,10 +94,11 @@ std::optional<Run> run_direct(const Experiment& e, const Robot& robot,
       give_up(fmt::format("step {}: {}: {}: {}", k + 1, event.what, event.who, event.why));
     }
   }
-  run.references.resize(run.states.size());  // an aborted run has some that nobody followed
+  run.references.resize(run.states.size());  // an aborted run has some that no state followed
   thin_out(run, e.logger.every);
-  simulator::Ledger ledger = simulator::ledger(plant, run.states, {});
-  run.stored = std::move(ledger.stored), run.given = std::move(ledger.work);
+  simulator::ExternalEnergy external = simulator::external_energy(plant, run.states, {});
+  run.stored = std::move(external.stored);
+  run.external_work = std::move(external.work);
   return run;
 }
 

@@ -1,17 +1,17 @@
+// Runs an experiment by calling the steps in a loop: no messages, no log. For thousands of runs whose metrics alone are
+// wanted, and for tests.
 #pragma once
 #include <functional>
 #include <optional>
 
 #include "lab/evaluation/evaluate.h"
-#include "lab/experiment/robot.h"
 
 namespace lab::solo {
 
-/// The same steps as run(), called one after the other: no messages, no log. Gives what evaluation reads back from the
-/// log of such a run, bit for bit: the logged states and references, and why the run ended early. For when thousands of
-/// runs are wanted for their metrics alone. `keep_going` is asked now and then; when it says no, there is no result.
-/// Throws ExperimentError.
-std::optional<Run> run_direct(const Experiment& experiment, const Robot& robot,
+/// The same steps as run(), one after the other. Gives what evaluation reads from the log of such a run, bit for bit: the
+/// logged states and references, and why the run ended early. `keep_going` is called every 1024 steps; when it returns
+/// false, there is no result. Throws ExperimentError.
+std::optional<Run> run_direct(const Experiment& experiment, const rbd::Model& model,
                               const std::function<bool()>& keep_going = {});
 
 }  // namespace lab::solo

@@ -1,3 +1,4 @@
+// A bus within one process: a queue between the roles of a run.
 #pragma once
 #include <deque>
 #include <memory>
@@ -8,10 +9,10 @@
 
 namespace lab::solo {
 
-/// The roles of a run in one thread: whatever one publishes, the others receive, in order, at once.
+/// The roles of a run in one thread: the others receive what one publishes, in order, at once.
 class MemoryBus {
  public:
-  /// What the role added next will publish through.
+  /// For the role that is added next.
   Publish publish() {
     return [this, from = roles_.size()](Channel channel, std::span<const uint8_t> bytes) {
       waiting_.push_back({from, channel, {bytes.begin(), bytes.end()}});
@@ -21,7 +22,7 @@ class MemoryBus {
 
   bool idle() const { return waiting_.empty(); }
 
-  /// Hands out what waits and what that brings about, at most `limit` messages, or until that role has ended.
+  /// Delivers the queue and what is published meanwhile, at most `limit` messages, or until that role has ended.
   void deliver(const Role& until, Micros now, int limit) {
     for (; limit > 0 && !waiting_.empty() && !until.outcome().ended; --limit) {
       const Message message = std::move(waiting_.front());

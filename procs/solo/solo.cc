@@ -15,8 +15,12 @@ namespace {
 
 Bytes ready(const char* name, int32_t pid, const Role& role) {
   process_t process{};
-  process.run = role.run(), process.step = role.step(), process.name = name, process.pid = pid;
-  process.state = role.state(), process.model_hash = role.model_hash();
+  process.run = role.run();
+  process.step = role.step();
+  process.name = name;
+  process.pid = pid;
+  process.state = role.state();
+  process.model_hash = role.model_hash();
   return encode(process);
 }
 
@@ -50,9 +54,12 @@ Outcome run(const Experiment& experiment, const Robot& robot, LogSink& sink,
     bus.deliver(leader, now, 1000);
     for (const Role* role : followers)
       if (role->outcome().exit_code != kOk) return role->outcome();
-    if (!stopping && !keep_going(leader.step())) stopping = true, simulator->stop(now);
+    if (!stopping && !keep_going(leader.step())) {
+      stopping = true;
+      simulator->stop(now);
+    }
     if (!bus.idle()) continue;
-    now += kRepeat;  // nobody has anything to say: let time bring it on
+    now += kRepeat;  // the queue is empty: let timers expire
     for (Role* role : followers) role->tick(now);
     simulator->tick(now);
   }

@@ -1,3 +1,4 @@
+// Runs an experiment in one process and one thread, with the same roles as the separate processes.
 #pragma once
 #include <functional>
 
@@ -9,8 +10,8 @@
 namespace lab::solo {
 
 /// Runs an experiment in one process and one thread: the same roles around the same steps as the separate processes,
-/// on a bus that is a queue. The sink gets the same bytes. `keep_going` is asked about every thousand messages; when
-/// it says no, the run ends gracefully. Throws ExperimentError.
+/// on a bus that is a queue. The sink gets the same bytes. `keep_going` is called about every thousand messages; when
+/// it returns false, the run ends gracefully. Throws ExperimentError.
 Outcome run(const Experiment& experiment, const Robot& robot, LogSink& sink,
             const std::function<bool(int64_t step)>& keep_going);
 

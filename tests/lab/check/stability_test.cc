@@ -8,7 +8,8 @@
 #include "core/util/number.h"
 #include "lab/check/check.h"
 #include "lab/experiment/experiment_yaml.h"
-#include "tests/lab/experiment/loop.h"
+#include "lab/experiment/robot.h"
+#include "procs/solo/direct.h"
 
 namespace lab {
 namespace {
@@ -52,8 +53,8 @@ TEST_P(Stability, TheLimitIsWhereItExplodes) {
   ASSERT_LT(outside, 9e4);
   for (const double factor : {0.97, 1.03}) {
     const Experiment e = experiment(GetParam(), factor * outside);
-    const test::LoopResult result = test::run_loop(e, load_robot(e).model);
-    const double last = result.run.aborted ? INFINITY : result.run.states.back().v.cwiseAbs().maxCoeff();
+    const lab::Run run = *solo::run_direct(e, load_robot(e).model);
+    const double last = run.aborted ? INFINITY : run.states.back().v.cwiseAbs().maxCoeff();
     if (factor < 1)
       EXPECT_LT(last, 1e-6) << "gain " << factor * outside;
     else

@@ -9,8 +9,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "procs/solo/direct.h"
 #include "tests/lab/evaluation/by_hand.h"
-#include "tests/lab/experiment/loop.h"
 #include "tests/support/refusal.h"
 
 namespace lab {
@@ -113,7 +113,7 @@ TEST(Evaluate, EnergyBalancesWithWorkAndFriction) {
   e.controller.kind = "pd";
   e.controller.kp.value = 20.0;
   e.controller.kd.value = 1.0;
-  const json out = evaluate(test::run_loop(e, model).run, {});
+  const json out = evaluate(*solo::run_direct(e, model), {});
   const double first = out["energy_first"], last = out["energy_last"], work = out["work"];
   EXPECT_GT(std::abs(last - first), 1);  // J
   // The trapezoidal rule on friction's power, whose tanh turns within 0.01 rad/s, is the coarsest part
@@ -141,8 +141,11 @@ TEST(Evaluate, EnergyBalancesUnderDisturbances) {
   e.controller.kind = "none";
   const auto drift = [&](double dt, bool with_account) {
     e.simulator.dt = dt;
-    lab::Run run = test::run_loop(e, model).run;
-    if (!with_account) run.stored.clear(), run.given.clear();
+    lab::Run run = *solo::run_direct(e, model);
+    if (!with_account) {
+      run.stored.clear();
+      run.external_work.clear();
+    }
     return evaluate(run, {})["energy_drift"].get<double>();
   };
   EXPECT_GT(drift(1e-3, false), 10) << "J: there is something to account for";

@@ -14,7 +14,8 @@
 
 #include "core/util/atomic_file.h"
 #include "lab/experiment/experiment_yaml.h"
-#include "tests/lab/experiment/loop.h"
+#include "lab/experiment/robot.h"
+#include "procs/solo/direct.h"
 #include "wire/log/log_writer.h"
 #include "wire/protocol/convert.h"
 #include "wire/schema/codec.h"
@@ -80,7 +81,7 @@ TEST_F(Folder, ARunComesBackFromItsLog) {
   Experiment e = load_experiment(LAB_SOURCE_DIR "/experiments/arm3_cubic_pd.yaml", {"simulator.damping=0.1"});
   e.robot.model = find_model(e);
   const Robot robot = load_robot(e);
-  const lab::Run run = test::run_loop(e, robot.model).run;
+  const lab::Run run = *solo::run_direct(e, robot.model);
   write_run(e, robot, run);
   const LoggedRun back = read_run(dir_ + "/log.lcm");
   EXPECT_EQ(back.id, 77);
@@ -110,7 +111,7 @@ TEST_F(Folder, AVerdictThatFailsIsExitCodeOne) {
   const Experiment e =
       load_experiment(LAB_SOURCE_DIR "/experiments/cubic_pd.yaml", {"expect.max_error.max=0.001"});
   const Robot robot = load_robot(e);
-  write_run(e, robot, test::run_loop(e, robot.model).run);
+  write_run(e, robot, *solo::run_direct(e, robot.model));
   EXPECT_EQ(call("evaluate " + dir_), 1);
   EXPECT_NE(out_.find("FAILED  max_error 0.8"), std::string::npos) << out_;
 }
@@ -118,7 +119,7 @@ TEST_F(Folder, AVerdictThatFailsIsExitCodeOne) {
 TEST_F(Folder, ALogWithoutEndIsARunThatFailed) {
   const Experiment e = load_experiment(LAB_SOURCE_DIR "/experiments/cubic_pd.yaml");
   const Robot robot = load_robot(e);
-  lab::Run run = test::run_loop(e, robot.model).run;
+  lab::Run run = *solo::run_direct(e, robot.model);
   run.states.resize(100), run.references.resize(100);
   write_run(e, robot, run, true);
   EXPECT_EQ(call("evaluate " + dir_), 1);

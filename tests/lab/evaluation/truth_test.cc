@@ -11,8 +11,8 @@
 #include "lab/evaluation/read_run.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "procs/logger/log_files.h"
+#include "procs/solo/direct.h"
 #include "procs/solo/solo.h"
-#include "tests/lab/experiment/loop.h"
 #include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
 #include "wire/schema/codec.h"
@@ -68,7 +68,7 @@ class Truth : public testing::Test {
 TEST_F(Truth, ComesBackFromTheLogToTheLastBit) {
   ASSERT_EQ(outcome_.exit_code, kOk) << outcome_.reason;
   const LoggedRun back = read_run(log());
-  const lab::Run run = test::run_loop(experiment_, robot_.model).run;  // the same steps without any log
+  const lab::Run run = *solo::run_direct(experiment_, robot_.model);  // the same steps without any log
   ASSERT_EQ(back.run.states.size(), run.states.size());
   for (size_t k = 0; k < run.states.size(); ++k) {
     ASSERT_EQ(back.run.states[k].q, run.states[k].q) << k;

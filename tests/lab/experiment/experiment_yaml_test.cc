@@ -278,7 +278,8 @@ TEST(ExperimentYaml, ResolvedTextGivesTheSameExperimentBack) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     Experiment e;
     for_each_key(e, Randomizer(seed));
-    e.simulator.dt = 0.001, e.simulator.duration = 7;
+    e.simulator.dt = 0.001;
+    e.simulator.duration = 7;
     const std::string text = resolve(e);
     const Experiment back = parse_experiment(text, "back.yaml");
     ASSERT_EQ(back, e) << seed << "\n" << text;
@@ -292,7 +293,8 @@ TEST(ExperimentYaml, CanonicalTextKeepsWhatCountsAndNothingElse) {
     Experiment e, other;
     for_each_key(e, Randomizer(seed));
     for_each_key(other, Randomizer(seed + 1000));
-    e.simulator.dt = 0.001, e.simulator.duration = 7;
+    e.simulator.dt = 0.001;
+    e.simulator.duration = 7;
     const Experiment back = parse_experiment(canonical(e), "RUN");
     ASSERT_EQ(canonical(back), canonical(e));
     ASSERT_EQ(back.simulator, e.simulator);
@@ -302,9 +304,15 @@ TEST(ExperimentYaml, CanonicalTextKeepsWhatCountsAndNothingElse) {
     ASSERT_EQ(back.evaluation, e.evaluation);
     ASSERT_EQ(back.expect, e.expect);
     // what cannot change the log cannot change the text
-    other.name = e.name, other.seed = e.seed, other.robot = e.robot, other.simulator = e.simulator;
-    other.planner = e.planner, other.controller = e.controller, other.expect = e.expect;
-    other.safety = e.safety, other.evaluation = e.evaluation;
+    other.name = e.name;
+    other.seed = e.seed;
+    other.robot = e.robot;
+    other.simulator = e.simulator;
+    other.planner = e.planner;
+    other.controller = e.controller;
+    other.expect = e.expect;
+    other.safety = e.safety;
+    other.evaluation = e.evaluation;
     if (!other.robot.model.starts_with("builtin:")) other.robot.model = "/another/folder/robot.urdf";
     ASSERT_EQ(canonical(other), canonical(e));
   }

@@ -15,7 +15,10 @@
 #include "lab/check/check.h"
 #include "lab/evaluation/metrics.h"
 #include "lab/experiment/experiment_yaml.h"
-#include "tests/lab/experiment/loop.h"
+#include "lab/experiment/robot.h"
+#include "procs/controller/controller.h"
+#include "procs/planner/planner.h"
+#include "procs/solo/direct.h"
 
 namespace lab {
 namespace {
@@ -40,7 +43,7 @@ nlohmann::json outcome(const std::string& name, const std::vector<std::string>& 
   const Experiment e = load_experiment(kFolder + name, set);
   const Robot robot = load_robot(e);
   for (const std::string& warning : check(e, robot)) std::cout << warning << "\n";
-  return evaluate(test::run_loop(e, robot.model).run, e.expect);
+  return evaluate(*solo::run_direct(e, robot.model), e.expect);
 }
 
 class Experiments : public testing::TestWithParam<std::string> {};
@@ -151,7 +154,7 @@ TEST(Experiments, MassesWrongByHalfAreAnotherController) {
 TEST(Experiments, TheHeldToolGivesWayByForceOverStiffness) {
   const Experiment e = load_experiment(kFolder + "impedance.yaml");
   const Robot robot = load_robot(e);
-  const auto run = test::run_loop(e, robot.model).run;
+  const auto run = *solo::run_direct(e, robot.model);
   const auto tool = [&](const RobotState& state) {
     rbd::Data data(robot.model);
     rbd::forwardKinematics(robot.model, data, state.q);
@@ -165,6 +168,13 @@ TEST(Experiments, TheHeldToolGivesWayByForceOverStiffness) {
 TEST(Experiments, DocumentListsEveryController) {
   std::string table = "| kind | effort |\n|---|---|\n";
   for (const controller::Kind& kind : controller::kinds())
+    table += "| `" + std::string(kind.name) + "` | " + kind.what + " |\n";
+  EXPECT_NE(page().find(table + "\n"), std::string::npos) << "docs/experiments.md should have\n" << table;
+}
+
+TEST(Experiments, DocumentListsEveryMotion) {
+  std::string table = "| kind | motion |\n|---|---|\n";
+  for (const planner::Kind& kind : planner::kinds())
     table += "| `" + std::string(kind.name) + "` | " + kind.what + " |\n";
   EXPECT_NE(page().find(table + "\n"), std::string::npos) << "docs/experiments.md should have\n" << table;
 }

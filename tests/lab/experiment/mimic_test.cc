@@ -9,7 +9,8 @@
 #include "lab/experiment/actions.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/experiment/joints.h"
-#include "tests/lab/experiment/loop.h"
+#include "lab/experiment/robot.h"
+#include "procs/solo/direct.h"
 #include "tests/support/refusal.h"
 
 namespace lab {
@@ -61,8 +62,8 @@ TEST(Mimic, ARunOfTheGripper) {
   const Robot robot = load_robot(e, kGripper);
   ASSERT_EQ(robot.model.nv, 2);
   EXPECT_TRUE(check(e, robot).empty());
-  const test::LoopResult result = test::run_loop(e, robot.model);
-  const nlohmann::json figures = evaluate(result.run, e.expect);
+  const lab::Run run = *solo::run_direct(e, robot.model);
+  const nlohmann::json figures = evaluate(run, e.expect);
   EXPECT_TRUE(figures["passed"]) << figures.dump(1);
   EXPECT_LT(figures["max_error"].get<double>(), 2e-3);  // dt times the speed of the path
   // the integrator's error is of first order in dt
@@ -70,7 +71,7 @@ TEST(Mimic, ARunOfTheGripper) {
   EXPECT_EQ(figures["joints"].size(), 2u);
 
   rbd::Data data(robot.model);
-  rbd::forwardKinematics(robot.model, data, result.run.states.back().q);
+  rbd::forwardKinematics(robot.model, data, run.states.back().q);
   const auto along = [&](const char* frame) {
     const rbd::SE3 upper = data.oMf[robot.model.frameId("upper")];
     return upper.actInv(data.oMf[robot.model.frameId(frame)]).translation().y();
@@ -132,7 +133,7 @@ TEST(MultiDof, PlanarBase) {
           "[0.1, 0.2, 0.6, 0.8, 0.3], v0: [0.5, 0.2, 2, -1]}, controller: {kind: none}}",
           "x.yaml", set);
       const Robot robot = load_robot(e, cart);
-      const nlohmann::json figures = evaluate(test::run_loop(e, robot.model).run, e.expect);
+      const nlohmann::json figures = evaluate(*solo::run_direct(e, robot.model), e.expect);
       // nothing but gravity acts; rk4 loses energy with dt^4
       return figures["passed"] && figures["energy_drift_relative"].get<double>() < 1e-9 ? "ran"
                                                                                         : figures.dump(1);

@@ -133,7 +133,8 @@ TEST(Controller, BelievesInItsOwnModel) {
   const rbd::Model model = arm();
   const RobotState s = somewhere(6);
   Reference r = elsewhere(6);
-  r.q = s.q, r.v = s.v;
+  r.q = s.q;
+  r.v = s.v;
   Experiment e = with("pd_gravity", 10, 1);
   const Eigen::VectorXd right = tau_of(e, model, s, r);
   e.controller.model.mass_scale = 1.5;

@@ -271,7 +271,8 @@ TEST(ComVelocity, LeavesAloneWhatTheJointsCannotMove) {
   s.q << 0, 0, -1.57079632679, 0, 0, 0;  // stretched straight up: the centre of mass can only go along x
   s.v.setZero();
   Reference r = elsewhere();
-  r.v.setZero(), r.a.setZero();
+  r.v.setZero();
+  r.a.setZero();
   const Eigen::VectorXd v = wanted_velocity(com(8, 0, 40), 40, model, s, r);
   EXPECT_LT(v.cwiseAbs().maxCoeff(), 20);
   const Eigen::Vector3d wanted = 8 * (com_at(model, r.q) - com_at(model, s.q)),

@@ -126,7 +126,7 @@ TEST(OwnModel, RefusesWhatIsNoBody) {
   EXPECT_EQ(
       refusal(model, {"gearbox"}),
       without + "'arm' has no link or joint 'gearbox'; bodies are upper, forearm, tool, shoulder, elbow");
-  EXPECT_EQ(refusal(model, {"base"}), without + "'base' stands on the ground; its mass moves nothing");
+  EXPECT_EQ(refusal(model, {"base"}), without + "'base' is fixed to the ground; its mass moves nothing");
   EXPECT_EQ(refusal(model, {"tool", "tool"}), "x.yaml: controller.model.without[1]: 'tool' is given twice");
   EXPECT_EQ(refusal(model, {}, "elbwo"),
             shift + "elbwo: 'arm' has no link or joint 'elbwo'; did you mean 'elbow'?");

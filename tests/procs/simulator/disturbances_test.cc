@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "procs/simulator/ledger.h"
+#include "procs/simulator/replay.h"
 #include "tests/support/refusal.h"
 
 namespace lab::simulator {
@@ -32,7 +32,8 @@ rbd::Model brick() {
 TEST(Pushes, ImpulseIsTheChangeOfMomentum) {
   const rbd::Model model = brick();
   Experiment e;
-  e.simulator.gravity = {0, 0, 0}, e.simulator.integrator = "rk4";
+  e.simulator.gravity = {0, 0, 0};
+  e.simulator.integrator = "rk4";
   const Eigen::Vector3d f1(3, -2, 5), f2(-1, 4, 0.5), n2(0.1, 0.2, -0.1);
   e.simulator.pushes = {
       {.time = 0.15,
@@ -133,7 +134,8 @@ TEST(Payloads, TheNewTakesThePlaceOfTheOldAndNothingIsLeft) {
   EXPECT_DOUBLE_EQ(state.load.model.inertias[joint].mass(), bare + 1);
   put(model.names[joint], 5);  // another frame of the same joint: both are carried
   EXPECT_DOUBLE_EQ(state.load.model.inertias[joint].mass(), bare + 6);
-  put("effector_body", 0), put(model.names[joint], 0);
+  put("effector_body", 0);
+  put(model.names[joint], 0);
   EXPECT_EQ(state.load.model.inertias[joint].matrix(), model.inertias[joint].matrix()) << "to the last bit";
   EXPECT_EQ(put("elbow", 1)[0].why, "'payload': no frame 'elbow'");
   EXPECT_EQ(put("universe", 1)[0].why,
@@ -146,14 +148,16 @@ TEST(Payloads, TheNewTakesThePlaceOfTheOldAndNothingIsLeft) {
 struct Wheel {
   Wheel(double damping, double dt) {
     rbd::JointLimits limits;
-    limits.lowerPosition = Eigen::VectorXd::Constant(1, -1),
+    limits.lowerPosition = Eigen::VectorXd::Constant(1, -1);
     limits.upperPosition = Eigen::VectorXd::Constant(1, 1);
     model.addJoint(0, rbd::JointModelRZ(), rbd::SE3(), "wheel", limits);
     model.appendBodyToJoint(1,
                             rbd::Inertia(1, Eigen::Vector3d::Zero(), inertia * Eigen::Matrix3d::Identity()));
     Experiment e;
-    e.simulator.dt = dt, e.simulator.integrator = "rk4";
-    e.simulator.q0.value = 0.5, e.simulator.v0.value = 1.0;
+    e.simulator.dt = dt;
+    e.simulator.integrator = "rk4";
+    e.simulator.q0.value = 0.5;
+    e.simulator.v0.value = 1.0;
     e.simulator.limit_repulsion = {.stiffness = {stiffness}, .damping = {damping}, .margin = {margin}};
     config = make_config(e, model);
   }
@@ -181,13 +185,13 @@ TEST(SoftStops, AreASpringThatThrowsTheJointBackBeforeItsLimit) {
   EXPECT_NEAR(inside * dt, std::numbers::pi / w, 2 * dt) << "half a period";
 }
 
-TEST(SoftStops, DampingTakesEnergyAndTheLedgerSaysHowMuch) {
+TEST(SoftStops, DampingTakesEnergyAndTheAccountSaysHowMuch) {
   const auto drift_of = [](double dt) {
     const Wheel wheel(20, dt);
     State state = initial(wheel.config);
     std::vector<RobotState> states{state.robot};
     while (state.robot.time < 1) states.push_back(step(wheel.config, state, {}).state);
-    const Ledger account = ledger(wheel.config, states, {});
+    const ExternalEnergy account = external_energy(wheel.config, states, {});
     double given = 0, drift = 0;
     for (size_t k = 0; k < states.size(); ++k) {
       given += account.work[k];
@@ -211,7 +215,8 @@ TEST(Disturbances, SayWhatIsWrongWithThem) {
   const rbd::Model model = arm();
   const auto with_push = [&](const PlannedPush& push) {
     Experiment e;
-    e.file = "x.yaml", e.simulator.pushes = {{.time = 0, .duration = 1, .frame = "effector_body"}, push};
+    e.file = "x.yaml";
+    e.simulator.pushes = {{.time = 0, .duration = 1, .frame = "effector_body"}, push};
     return refusal(e, model);
   };
   EXPECT_EQ(with_push({.time = 1, .duration = 1, .frame = "efector_body"}),
@@ -221,12 +226,15 @@ TEST(Disturbances, SayWhatIsWrongWithThem) {
   EXPECT_EQ(with_push({.time = 1, .duration = 1e-4, .frame = "effector_body"}),
             "x.yaml: simulator.pushes[1].duration: 1e-04 s is less than one step of 0.001 s");
   Experiment e;
-  e.file = "x.yaml", e.simulator.payloads = {{.time = 0, .frame = "hand", .mass = 1}};
+  e.file = "x.yaml";
+  e.simulator.payloads = {{.time = 0, .frame = "hand", .mass = 1}};
   EXPECT_EQ(refusal(e, model), "x.yaml: simulator.payloads[0].frame: no frame 'hand'");
-  e.simulator.payloads.clear(), e.simulator.limit_repulsion.damping.value = 1.0;
+  e.simulator.payloads.clear();
+  e.simulator.limit_repulsion.damping.value = 1.0;
   EXPECT_EQ(refusal(e, model), "x.yaml: simulator.limit_repulsion.damping: joint '" + model.names[1] +
                                    "' has a damper but no spring; give stiffness too");
-  e.simulator.limit_repulsion.stiffness.value = 10.0, e.simulator.limit_repulsion.margin.value = 0.0;
+  e.simulator.limit_repulsion.stiffness.value = 10.0;
+  e.simulator.limit_repulsion.margin.value = 0.0;
   EXPECT_EQ(refusal(e, model), "x.yaml: simulator.limit_repulsion.margin: is 0 for joint '" + model.names[1] +
                                    "'; the spring needs some way, for example 0.1");
   e.simulator.limit_repulsion.margin.value = 50.0;
@@ -237,32 +245,34 @@ TEST(Disturbances, SayWhatIsWrongWithThem) {
 
 /// Commands and people's wishes of every kind, and what the simulator said to them.
 struct Recorded {
-  Told told;
+  SimulatorInputs inputs;
   std::vector<RobotState> logged, truth;
 };
 
 Recorded record(const Config& config) {
   Recorded out;
   State state = initial(config);
-  out.logged.push_back(sensed(config, state)), out.truth.push_back(state.robot);
-  out.told.actions = {
+  out.logged.push_back(sensed(config, state));
+  out.truth.push_back(state.robot);
+  out.inputs.actions = {
       {50, {{"push", "effector_body", "", "", {0, 0, 1, 5, 0, 0, 0.1}}}},
       {120, {{"payload", "effector_body", "", "", {1.5, 0, 0, 0.1}}, {"set", "controller", "kp", "", {1}}}},
       {200, {{"estop", "", "", "", {}}}},
       {260, {{"rearm", "", "", "", {}}}}};
   for (int64_t k = 1; k <= 400; ++k) {
     if (k % 2 == 1)
-      out.told.commands[k] = {
+      out.inputs.commands[k] = {
           .tau = 20 * (Eigen::VectorXd::Constant(6, 0.2) - out.logged.back().q) - out.logged.back().v,
           .state_step = k - 1};
     Input input;
-    if (const auto command = out.told.commands.find(k); command != out.told.commands.end())
+    if (const auto command = out.inputs.commands.find(k); command != out.inputs.commands.end())
       input.command = &command->second;
-    if (const auto actions = out.told.actions.find(k); actions != out.told.actions.end())
+    if (const auto actions = out.inputs.actions.find(k); actions != out.inputs.actions.end())
       input.actions = actions->second;
     const Output output = step(config, state, input);
     EXPECT_FALSE(output.abort);
-    out.logged.push_back(output.state), out.truth.push_back(state.robot);
+    out.logged.push_back(output.state);
+    out.truth.push_back(state.robot);
   }
   return out;
 }
@@ -272,12 +282,15 @@ TEST(Fold, GivesTheTrueStatesBackBitForBit) {
   e.simulator.pushes = {{.time = 0.1, .duration = 0.05, .frame = "effector_body", .force = {10, 0, 0}}};
   e.simulator.limit_repulsion.stiffness.value = 50.0;
   for (const bool noisy : {false, true}) {
-    if (noisy)
-      e.simulator.noise.q.value = 1e-3, e.simulator.noise.v.value = 0.01, e.simulator.delay = 0.004,
+    if (noisy) {
+      e.simulator.noise.q.value = 1e-3;
+      e.simulator.noise.v.value = 0.01;
+      e.simulator.delay = 0.004;
       e.seed = 3;
+    }
     const Config config = make_config(e, arm());
     const Recorded run = record(config);
-    const std::vector<RobotState> folded = true_states(config, run.logged, run.told);
+    const std::vector<RobotState> folded = true_states(config, run.logged, run.inputs);
     ASSERT_EQ(folded.size(), run.truth.size());
     for (size_t k = 0; k < folded.size(); ++k) {
       ASSERT_EQ(folded[k].q, run.truth[k].q) << k;
@@ -294,7 +307,7 @@ TEST(Fold, FindsTheStepThatDoesNotFollow) {
   const Recorded run = record(config);
   const auto complaint = [&](const Recorded& changed) {
     try {
-      true_states(config, changed.logged, changed.told);
+      true_states(config, changed.logged, changed.inputs);
     } catch (const std::runtime_error& error) {
       return std::string(error.what());
     }
@@ -302,14 +315,14 @@ TEST(Fold, FindsTheStepThatDoesNotFollow) {
   };
   EXPECT_EQ(complaint(run), "none");
   Recorded changed = run;
-  double& tau = changed.told.commands[101].tau[2];
+  double& tau = changed.inputs.commands[101].tau[2];
   tau = std::nextafter(tau, 1e9);
   EXPECT_NE(complaint(changed).find("at step 101 "), std::string::npos) << complaint(changed);
   changed = run;
   changed.logged[77].v[5] = std::nextafter(changed.logged[77].v[5], 1e9);
   EXPECT_NE(complaint(changed).find("at step 77 v[5] is "), std::string::npos) << complaint(changed);
   changed = run;
-  changed.told.actions.erase(120);
+  changed.inputs.actions.erase(120);
   EXPECT_NE(complaint(changed).find("at step 120 "), std::string::npos) << complaint(changed);
   changed = run;
   changed.logged.erase(changed.logged.begin() + 10);

@@ -23,7 +23,9 @@ rbd::Model arm() {
 
 TEST(Hands, APushDoesTheWorkOfItsWrench) {
   Experiment e = live();
-  e.simulator.clock = "lockstep", e.simulator.integrator = "rk4", e.simulator.dt = 1e-4;
+  e.simulator.clock = "lockstep";
+  e.simulator.integrator = "rk4";
+  e.simulator.dt = 1e-4;
   rbd::Model model = arm();
   model.gravity = rbd::Motion::Zero();
   const Config config = make_config(e, model);
@@ -68,7 +70,10 @@ TEST(Hands, HoldingBringsTheRobotToRestAndKeepsItThere) {
 
 TEST(Hands, WhateverTheControllerWantsSpeedAndEffortStayInsideTheirLimits) {
   rbd::Model model = arm();
-  for (int i = 0; i < 6; ++i) model.upperVelocityLimit[i] = 2, model.lowerVelocityLimit[i] = -2;
+  for (int i = 0; i < 6; ++i) {
+    model.upperVelocityLimit[i] = 2;
+    model.lowerVelocityLimit[i] = -2;
+  }
   const Config config = make_config(live(), model);
   State state = initial(config);
   int holding = 0, running = 0;

@@ -85,7 +85,8 @@ TEST(Sensors, SayWhatWasAndTheRobotDoesNotCare) {
   Experiment e;
   e.simulator.q0.value = std::vector<double>{0.3, 0.8, -0.5, 0.4, 0.6, 0.2};
   const Config clean = make_config(e, arm());
-  e.simulator.delay = 0.003, e.simulator.noise.q.value = JointValues::Named{{"joint3_elbow", 0.01}},
+  e.simulator.delay = 0.003;
+  e.simulator.noise.q.value = JointValues::Named{{"joint3_elbow", 0.01}};
   e.simulator.noise.v.value = 0.2;
   e.seed = 9;
   const Config dirty = make_config(e, arm());
@@ -123,14 +124,18 @@ std::string refusal(const Experiment& e, const rbd::Model& model) {
 TEST(Sensors, SayWhatTheyCannotDo) {
   Experiment e;
   e.file = "x.yaml";
-  e.simulator.delay = 0.002, e.logger.every = 10;
+  e.simulator.delay = 0.002;
+  e.logger.every = 10;
   EXPECT_EQ(refusal(e, arm()),
             "x.yaml: logger.every: is 10, but with noise or delay the true states can only be found from "
             "every step; give 1");
-  e.logger.every = 1, e.simulator.dt = 1e-6, e.simulator.delay = 0.5;
+  e.logger.every = 1;
+  e.simulator.dt = 1e-6;
+  e.simulator.delay = 0.5;
   EXPECT_EQ(refusal(e, arm()), "x.yaml: simulator.delay: 0.5 s are 500000 steps; give at most 10000");
   e = Experiment();
-  e.file = "x.yaml", e.simulator.allow_fall = true;
+  e.file = "x.yaml";
+  e.simulator.allow_fall = true;
   rbd::Model humanoid;
   rbd::buildModels::humanoid(humanoid);
   e.simulator.noise.q.value = 0.01;

@@ -33,7 +33,7 @@ TEST_P(Direct, GivesWhatTheLogOfLabSoloHolds) {
   const Case& c = GetParam();
   const Experiment e = load_experiment(std::string(LAB_SOURCE_DIR "/experiments/") + c.file, c.overrides);
   const Robot robot = load_robot(e);
-  const std::optional<lab::Run> direct = solo::run_direct(e, robot);
+  const std::optional<lab::Run> direct = solo::run_direct(e, robot.model);
   ASSERT_TRUE(direct.has_value());
 
   char name[] = "/tmp/lab-direct-test-XXXXXX";
@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(DirectLoop, CanBeStopped) {
   const Experiment e = load_experiment(LAB_SOURCE_DIR "/experiments/live.yaml", {"simulator.clock=lockstep"});
   int asked = 0;
-  EXPECT_FALSE(solo::run_direct(e, load_robot(e), [&] { return ++asked < 3; }).has_value());
+  EXPECT_FALSE(solo::run_direct(e, load_robot(e).model, [&] { return ++asked < 3; }).has_value());
   EXPECT_EQ(asked, 3);
 }
 

@@ -1,4 +1,4 @@
-#include "procs/simulator/ledger.h"
+#include "procs/simulator/replay.h"
 
 #include <rbd/algorithm/kinematics.h>
 
@@ -21,14 +21,14 @@ Eigen::Index difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return -1;
 }
 
-void require_same(const RobotState& logged, const RobotState& folded) {
+void require_same(const RobotState& logged, const RobotState& replayed) {
   const std::pair<const char*, Eigen::VectorXd RobotState::*> parts[] = {
       {"q", &RobotState::q}, {"v", &RobotState::v}, {"tau", &RobotState::tau}};
   for (const auto& [name, part] : parts)
-    if (const Eigen::Index i = difference(logged.*part, folded.*part); i >= 0)
+    if (const Eigen::Index i = difference(logged.*part, replayed.*part); i >= 0)
       throw std::runtime_error("the log does not follow from its own commands: at step " +
                                std::to_string(logged.step) + " " + name + "[" + std::to_string(i) + "] is " +
-                               number((logged.*part)[i]) + ", folded " + number((folded.*part)[i]) +
+                               number((logged.*part)[i]) + ", replayed " + number((replayed.*part)[i]) +
                                "; was it made by another version, or on another kind of CPU?");
 }
 
@@ -38,19 +38,19 @@ auto at_step(const Map& map, int64_t step) {
   return found == map.end() ? nullptr : &found->second;
 }
 
-/// Poses and velocities of one state, for the frames that are asked for.
-struct View {
+/// Poses and velocities of frames at one state.
+struct FrameView {
   const rbd::Model& model;
   rbd::Data data;
-  explicit View(const rbd::Model& m) : model(m), data(m) {}
-  void look(const RobotState& s) { rbd::forwardKinematics(model, data, s.q, s.v); }
+  explicit FrameView(const rbd::Model& m) : model(m), data(m) {}
+  void set(const RobotState& s) { rbd::forwardKinematics(model, data, s.q, s.v); }
   const rbd::SE3& pose(rbd::FrameIndex frame) { return rbd::updateFramePlacement(model, data, frame); }
   rbd::Motion velocity(rbd::FrameIndex frame) {
     return rbd::getFrameVelocity(model, data, frame, rbd::LOCAL_WORLD_ALIGNED);
   }
 };
 
-double energy_carried(View& now, const Load& load) {
+double payload_energy(FrameView& now, const Load& load) {
   double sum = 0;
   for (const Payload& payload : load.payloads) {
     const rbd::SE3 pose = now.pose(payload.frame);
@@ -62,7 +62,7 @@ double energy_carried(View& now, const Load& load) {
   return sum;
 }
 
-double energy_in_stops(const std::vector<SoftStop>& stops, const RobotState& s) {
+double stop_energy(const std::vector<SoftStop>& stops, const RobotState& s) {
   double sum = 0;
   for (const SoftStop& stop : stops) {
     const double x = stop.depth(s.q[stop.q]);
@@ -71,17 +71,17 @@ double energy_in_stops(const std::vector<SoftStop>& stops, const RobotState& s) 
   return sum;
 }
 
-double lost_in_stops(const std::vector<SoftStop>& stops, const RobotState& s) {
+double stop_losses(const std::vector<SoftStop>& stops, const RobotState& s) {
   double power = 0;
   for (const SoftStop& stop : stops)
     power += stop.damping * std::abs(stop.depth(s.q[stop.q])) / stop.margin * s.v[stop.v] * s.v[stop.v];
   return power;
 }
 
-bool disturbed(const Config& config, const Told& told) {
+bool disturbed(const Config& config, const SimulatorInputs& inputs) {
   const Disturbances& planned = config.disturbances;
   if (!planned.pushes.empty() || !planned.payloads.empty() || !planned.stops.empty()) return true;
-  for (const auto& [step, actions] : told.actions)
+  for (const auto& [step, actions] : inputs.actions)
     for (const Action& action : actions)
       if (action.verb == "push" || action.verb == "payload") return true;
   return false;
@@ -90,7 +90,7 @@ bool disturbed(const Config& config, const Told& told) {
 }  // namespace
 
 std::vector<RobotState> true_states(const Config& config, std::span<const RobotState> logged,
-                                    const Told& told) {
+                                    const SimulatorInputs& inputs) {
   std::vector<RobotState> truth;
   truth.reserve(logged.size());
   State state = initial(config);
@@ -102,14 +102,14 @@ std::vector<RobotState> true_states(const Config& config, std::span<const RobotS
     if (step_number == 0) {
       require_same(seen, sensed(config, state));
     } else {
-      const std::vector<Action>* actions = at_step(told.actions, step_number);
+      const std::vector<Action>* actions = at_step(inputs.actions, step_number);
       const Output out =
           step(config, state,
-               {.command = at_step(told.commands, step_number),
+               {.command = at_step(inputs.commands, step_number),
                 .actions = actions ? std::span<const Action>(*actions) : std::span<const Action>()});
       if (out.abort)
         throw std::runtime_error(
-            "the log does not follow from its own commands: folded, the run ends before step " +
+            "the log does not follow from its own commands: replayed, the run ends before step " +
             std::to_string(step_number));
       require_same(seen, out.state);
     }
@@ -119,39 +119,41 @@ std::vector<RobotState> true_states(const Config& config, std::span<const RobotS
   return truth;
 }
 
-Ledger ledger(const Config& config, std::span<const RobotState> states, const Told& told) {
-  Ledger out;
-  if (!disturbed(config, told)) return out;
+ExternalEnergy external_energy(const Config& config, std::span<const RobotState> states,
+                               const SimulatorInputs& inputs) {
+  ExternalEnergy out;
+  if (!disturbed(config, inputs)) return out;
   for (size_t k = 0; k < states.size(); ++k)
     if (states[k].step != static_cast<int64_t>(k)) return out;
-  out.stored.assign(states.size(), 0), out.work.assign(states.size(), 0);
+  out.stored.assign(states.size(), 0);
+  out.work.assign(states.size(), 0);
   const std::vector<SoftStop>& stops = config.disturbances.stops;
   Load load(config.model);
-  View before(config.model), after(config.model);
-  std::vector<Event> unsaid;
+  FrameView before(config.model), after(config.model);
+  std::vector<Event> ignored_events;
   for (size_t k = 0; k < states.size(); ++k) {
-    before.look(states[k]);
-    const double carried = energy_carried(before, load);
-    out.stored[k] = carried + energy_in_stops(stops, states[k]);
+    before.set(states[k]);
+    const double carried = payload_energy(before, load);
+    out.stored[k] = carried + stop_energy(stops, states[k]);
     if (k + 1 == states.size()) break;
-    begin_step(config.disturbances, config.model, states[k].step, load, unsaid);
-    if (const auto* actions = at_step(told.actions, states[k + 1].step))
+    begin_step(config.disturbances, config.model, states[k].step, load, ignored_events);
+    if (const auto* actions = at_step(inputs.actions, states[k + 1].step))
       for (const Action& action : *actions)
         if (is_for(action, "simulator") && (action.verb == "push" || action.verb == "payload"))
           take(action, config.model, config.dt, load);
     double& work = out.work[k + 1];
-    work = energy_carried(before, load) - carried;
-    work -= 0.5 * config.dt * (lost_in_stops(stops, states[k]) + lost_in_stops(stops, states[k + 1]));
-    if (!load.pushes.empty()) after.look(states[k + 1]);
+    work = payload_energy(before, load) - carried;
+    work -= 0.5 * config.dt * (stop_losses(stops, states[k]) + stop_losses(stops, states[k + 1]));
+    if (!load.pushes.empty()) after.set(states[k + 1]);
     for (const Push& push : load.pushes) {
-      const Eigen::Vector3d way =
+      const Eigen::Vector3d displacement =
           after.pose(push.frame).translation() - before.pose(push.frame).translation();
-      const Eigen::Vector3d turn =
+      const Eigen::Vector3d rotation =
           0.5 * config.dt * (before.velocity(push.frame).angular() + after.velocity(push.frame).angular());
-      work += push.wrench.tail<3>().dot(way) + push.wrench.head<3>().dot(turn);
+      work += push.wrench.tail<3>().dot(displacement) + push.wrench.head<3>().dot(rotation);
     }
     end_step(load);
-    unsaid.clear();
+    ignored_events.clear();
   }
   return out;
 }
