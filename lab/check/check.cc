@@ -153,16 +153,16 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
       note(stops, stability_ratio(Minv, stop_stiffness, stop_damping, e.simulator.dt), time);
   }
   for (int i = 0; i < model.nv; ++i)
-    if (plan.v_peak[i] > model.upperVelocityLimit[i] * (1 + 1e-9))
+    if (plan.motion->peak_speed[i] > model.upperVelocityLimit[i] * (1 + 1e-9))
       warnings.push_back(warn(e, "planner.kind",
-                              "joint '" + joint_at(model, i) + "' shall move at " + rounded(plan.v_peak[i]) +
-                                  ", its limit is " + number(model.upperVelocityLimit[i]) + "; " +
-                                  plan.kind->cure));
+                              "joint '" + joint_at(model, i) + "' shall move at " +
+                                  rounded(plan.motion->peak_speed[i]) + ", its limit is " +
+                                  number(model.upperVelocityLimit[i]) + "; " + plan.kind->cure));
   if (const double end = static_cast<double>(e.last_step()) * e.simulator.dt;
-      plan.own_time && plan.duration > end)
-    warnings.push_back(
-        warn(e, "simulator.duration",
-             "the motion takes " + rounded(plan.duration) + " s, and the run ends at " + number(end) + " s"));
+      plan.motion->chosen_time && plan.motion->duration > end)
+    warnings.push_back(warn(e, "simulator.duration",
+                            "the motion takes " + rounded(plan.motion->duration) +
+                                " s, and the run ends at " + number(end) + " s"));
   const auto judge = [&](const Worst& worst, const std::string& key, const std::string& what,
                          const std::string& cure) {
     if (worst.ratio > 0.5)

@@ -10,16 +10,17 @@
 #include "core/util/number.h"
 #include "lab/experiment/cartesian.h"
 #include "lab/experiment/joints.h"
+#include "procs/planner/spline.h"
 
 namespace lab::planner {
 namespace {
 
-constexpr int kFirst = 16, kFinest = 1024;  // pieces of a line, or per turn
+constexpr int kMinPieces = 16, kMaxPieces = 1024;  // of a line, or per turn
 
 struct Curve {
   const char* name;
   const char* key;                            ///< of the experiment: where it leads
-  std::function<Eigen::Vector3d(double)> at;  ///< m, world, of the share 0..1 of the way
+  std::function<Eigen::Vector3d(double)> at;  ///< m, world, at a fraction 0..1 of the path
   double turns = 1;
 };
 
@@ -29,8 +30,9 @@ std::string text(const Eigen::Vector3d& p) {
 
 Eigen::Vector3d vector(const std::array<double, 3>& x) { return {x[0], x[1], x[2]}; }
 
-/// Where the frame is, and looks, at q0.
-rbd::SE3 start(const Experiment& e, const rbd::Model& model, const Config& config) {
+/// Pose of the frame at q0.
+rbd::SE3 start(const Experiment& e, const Config& config) {
+  const rbd::Model& model = config.model;
   if (e.planner.frame.empty())
     fail(e, "planner.frame", std::string("is missing; a ") + config.kind->name + " is the path of a frame");
   if (const std::string fault = frame_fault(model, e.planner.frame); !fault.empty())
@@ -105,12 +107,13 @@ class Follow {
   std::string frame_;
 };
 
-/// The largest speeds and accelerations when the whole way takes 1 s, by sampling: 16 times per piece, on which they are
+/// The largest speeds and accelerations when the whole path takes 1 s, by sampling: 16 times per piece, on which they are
 /// nearly parabolas, misses less than 0.1 % of a peak; that much is added.
 void find_peaks(const Spline& path, Eigen::VectorXd& v, Eigen::VectorXd& a) {
   const Eigen::Index n = path.pieces[0].c.rows();
   Eigen::VectorXd q(n), slope(n), bend(n);
-  v.setZero(n), a.setZero(n);
+  v.setZero(n);
+  a.setZero(n);
   const int samples = 16 * static_cast<int>(path.pieces.size());
   for (int k = 0; k <= samples; ++k) {
     const Progress p = quintic_progress(static_cast<double>(k) / samples, 1);
@@ -120,49 +123,68 @@ void find_peaks(const Spline& path, Eigen::VectorXd& v, Eigen::VectorXd& a) {
       a[i] = std::max(a[i], std::abs(bend[i] * p.rate * p.rate + slope[i] * p.acceleration));
     }
   }
-  v *= 1.001, a *= 1.001;
+  v *= 1.001;
+  a *= 1.001;
 }
 
-void set_path(const Experiment& e, const rbd::Model& model, Config& config, const Curve& curve,
-              const rbd::SE3& start) {
-  Follow follow(e, config, curve, start);
-  const int turns = std::max(1, static_cast<int>(std::ceil(std::abs(curve.turns))));
-  std::string fault = "?";
-  for (int pieces = kFirst; pieces <= kFinest && !fault.empty(); pieces *= 2)
-    fault = follow.with(pieces * turns, config.path);
-  if (!fault.empty())
-    fail(e, curve.key, fault + "; start elsewhere (simulator.q0) or give the path another place");
-  if (const Outside found = outside(config.path, config.q_min, config.q_max); found.joint >= 0)
-    fail(e, curve.key,
-         "joint '" + joint_at(model, static_cast<int>(found.joint)) + "' would be at " +
-             rounded(found.value) + " at " + rounded(100 * found.at) + " % of the " + curve.name +
-             "; its limit is " + number(found.limit) + "; start elsewhere (simulator.q0)");
-  Eigen::VectorXd a;
-  find_peaks(config.path, config.v_peak, a);
-  if (config.own_time) config.duration = shortest_time(config, config.v_peak, a);
-  config.v_peak /= config.duration;
-  Eigen::VectorXd slope = config.q0, bend = config.q0;
-  config.path.at(1, config.goal, slope, bend);
-}
+struct CartesianPath : Motion {
+  CartesianPath(const Experiment& e, const Config& c, const Curve& curve, const rbd::SE3& start) {
+    Follow follow(e, c, curve, start);
+    const int turns = std::max(1, static_cast<int>(std::ceil(std::abs(curve.turns))));
+    std::string fault = "?";
+    for (int pieces = kMinPieces; pieces <= kMaxPieces && !fault.empty(); pieces *= 2)
+      fault = follow.with(pieces * turns, path);
+    if (!fault.empty())
+      fail(e, curve.key, fault + "; start elsewhere (simulator.q0) or give the path another place");
+    if (const Outside found = outside(path, c.q_min, c.q_max); found.joint >= 0)
+      fail(e, curve.key,
+           "joint '" + joint_at(c.model, static_cast<int>(found.joint)) + "' would be at " +
+               rounded(found.value) + " at " + rounded(100 * found.at) + " % of the " + curve.name +
+               "; its limit is " + number(found.limit) + "; start elsewhere (simulator.q0)");
+    Eigen::VectorXd a;
+    find_peaks(path, peak_speed, a);
+    chosen_time = e.planner.duration == 0;
+    duration = chosen_time ? shortest_time(c, peak_speed, a) : e.planner.duration;
+    peak_speed /= duration;
+    Eigen::VectorXd slope = c.q0, bend = c.q0;
+    last = c.q0;
+    path.at(1, last, slope, bend);
+  }
+
+  void at(double t, Reference& out) const override {
+    if (t >= duration) return stay(last, out);
+    const Progress p = quintic_progress(t, duration);
+    path.at(p.s, out.q, out.v, out.a);
+    for (Eigen::Index i = 0; i < out.q.size(); ++i) {
+      const double slope = out.v[i];
+      out.v[i] = slope * p.rate;
+      out.a[i] = out.a[i] * p.rate * p.rate + slope * p.acceleration;
+    }
+  }
+  std::optional<double> rejoin_time(double t) const override { return t; }
+
+  Spline path;  // by the fraction of the path
+  Eigen::VectorXd last;
+};
 
 }  // namespace
 
-void prepare_line(const Experiment& e, const rbd::Model& model, Config& config) {
-  const rbd::SE3 from = start(e, model, config);
+std::unique_ptr<Motion> make_line(const Experiment& e, const Config& config) {
+  const rbd::SE3 from = start(e, config);
   if (!e.planner.to) fail(e, "planner.to", "is missing; a line needs the position where it ends, [x, y, z]");
-  const Eigen::Vector3d a = from.translation(), way = vector(*e.planner.to) - a;
-  set_path(e, model, config,
-           {"line", "planner.to", [a, way](double s) -> Eigen::Vector3d { return a + s * way; }}, from);
+  const Eigen::Vector3d a = from.translation(), ab = vector(*e.planner.to) - a;
+  const Curve curve{"line", "planner.to", [a, ab](double s) -> Eigen::Vector3d { return a + s * ab; }};
+  return std::make_unique<CartesianPath>(e, config, curve, from);
 }
 
-void prepare_circle(const Experiment& e, const rbd::Model& model, Config& config) {
-  const rbd::SE3 from = start(e, model, config);
+std::unique_ptr<Motion> make_circle(const Experiment& e, const Config& config) {
+  const rbd::SE3 from = start(e, config);
   if (!e.planner.center)
     fail(e, "planner.center", "is missing; a circle needs a point of its axis, [x, y, z]");
   const Eigen::Vector3d normal = vector(e.planner.normal);
   if (!(normal.norm() > 1e-6))
     fail(e, "planner.normal", "has length " + rounded(normal.norm()) + "; it must point somewhere");
-  // the circle goes through the start, so that the axis only matters: its plane is where the start is
+  // only the axis matters: the circle's plane is the one through the start
   const Eigen::Vector3d axis = normal.normalized(), off = from.translation() - vector(*e.planner.center);
   const Eigen::Vector3d x = off - axis * axis.dot(off), y = axis.cross(x), middle = from.translation() - x;
   if (!(x.norm() > 1e-3))
@@ -173,18 +195,8 @@ void prepare_circle(const Experiment& e, const rbd::Model& model, Config& config
   const auto at = [=](double s) -> Eigen::Vector3d {
     return middle + std::cos(s * angle) * x + std::sin(s * angle) * y;
   };
-  set_path(e, model, config, {"circle", "planner.center", at, e.planner.turns}, from);
-}
-
-void along_path(const Config& c, double t, Reference& out) {
-  if (t >= c.duration) return stay(c.goal, out);
-  const Progress p = quintic_progress(t, c.duration);
-  c.path.at(p.s, out.q, out.v, out.a);
-  for (Eigen::Index i = 0; i < out.q.size(); ++i) {
-    const double slope = out.v[i];
-    out.v[i] = slope * p.rate;
-    out.a[i] = out.a[i] * p.rate * p.rate + slope * p.acceleration;
-  }
+  return std::make_unique<CartesianPath>(e, config, Curve{"circle", "planner.center", at, e.planner.turns},
+                                         from);
 }
 
 }  // namespace lab::planner

@@ -1,17 +1,16 @@
+// Paths of a frame in the world: a straight line, a circle. The joints are found before the motion begins: by inverse
+// kinematics at knots along the path, each as near to q0 as the path allows (the free motion of a redundant arm must not
+// drift), with a spline through them that keeps the frame within kPathTolerance of the path everywhere. While it runs,
+// q, v and a are that spline's at the quintic's progress: functions of time alone, and derivatives of each other.
 #pragma once
 #include "procs/planner/motions.h"
 
-/// Paths of a frame in the world: a straight line, a circle. The joints are found before the motion begins: by inverse
-/// kinematics at knots along the path, each as near to q0 as the path allows (what a redundant arm is free to do must not
-/// drift), with a spline through them that keeps the frame within kPathTolerance of the path everywhere. While it runs,
-/// q, v and a are that spline's at the quintic's progress: functions of time alone, and derivatives of each other.
 namespace lab::planner {
 
 inline constexpr double kPathTolerance = 1e-5;  // m between the frame and its path
 inline constexpr double kTurnTolerance = 2e-5;  // rad between the frame and the orientation that is kept
 
-void prepare_line(const Experiment&, const rbd::Model&, Config&);
-void prepare_circle(const Experiment&, const rbd::Model&, Config&);
-void along_path(const Config&, double t, Reference&);
+std::unique_ptr<Motion> make_line(const Experiment&, const Config&);
+std::unique_ptr<Motion> make_circle(const Experiment&, const Config&);
 
 }  // namespace lab::planner

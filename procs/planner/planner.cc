@@ -11,20 +11,18 @@
 namespace lab::planner {
 namespace {
 
-constexpr double kShare = 0.5;  // of the speed limits that coming back to the motion may add to it
+constexpr double kRampShare = 0.5;  // of the speed limits that a ramp may add to the motion's speed
 
-/// The motion at its own time t.
+/// The motion, or its detour, at its own time t.
 void motion(const Config& c, const State& s, double t, Reference& out) {
-  if (!s.way) return c.kind->law(c, t, out);
-  const Way& w = *s.way;
-  if (w.onward && t >= w.T) return c.kind->law(c, *w.onward + (t - w.T), out);
-  const double x = std::clamp(t, 0.0, w.T);
-  for (Eigen::Index i = 0; i < out.q.size(); ++i) {
-    const double c1 = w.c[1][i], c2 = w.c[2][i], c3 = w.c[3][i], c4 = w.c[4][i], c5 = w.c[5][i];
-    out.q[i] = w.c[0][i] + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))));
-    out.v[i] = t < w.T ? c1 + x * (2 * c2 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5))) : 0;
-    out.a[i] = t < w.T ? 2 * c2 + x * (6 * c3 + x * (12 * c4 + x * 20 * c5)) : 0;
-  }
+  if (!s.detour) return c.motion->at(t, out);
+  const Detour& detour = *s.detour;
+  const double T = detour.path.length;
+  if (detour.resume_time && t >= T) return c.motion->at(*detour.resume_time + (t - T), out);
+  detour.path.at(std::clamp(t, 0.0, T), out.q, out.v, out.a);
+  if (t < T) return;
+  out.v.setZero();
+  out.a.setZero();
 }
 
 /// The motion's time at a step, and its first two derivatives.
@@ -32,89 +30,78 @@ struct MotionTime {
   double t, rate = 1, acceleration = 0;
 };
 MotionTime motion_time(const Config& c, const State& s, int64_t step) {
-  const double run = static_cast<double>(step - s.since) * c.dt;
-  if (run >= s.ramp) return {s.began + run - s.ramp / 2};
-  const double x = run / s.ramp;  // rate 3 x^2 - 2 x^3
-  return {s.began + s.ramp * x * x * x * (1 - x / 2), x * x * (3 - 2 * x), 6 * x * (1 - x) / s.ramp};
+  const double elapsed = static_cast<double>(step - s.since) * c.dt;
+  if (elapsed >= s.ramp) return {s.start_time + elapsed - s.ramp / 2};
+  const double x = elapsed / s.ramp;  // rate 3 x^2 - 2 x^3
+  return {s.start_time + s.ramp * x * x * x * (1 - x / 2), x * x * (3 - 2 * x), 6 * x * (1 - x) / s.ramp};
 }
 
 void follow(const Config& c, const State& s, int64_t step, Reference& out) {
   const MotionTime time = motion_time(c, s, step);
   motion(c, s, time.t, out);
-  const double run = static_cast<double>(step - s.since) * c.dt;
-  if (run >= s.ramp) return;
-  const double x = run / s.ramp, T = s.ramp;
-  const double left = 1 - x * x * x * (10 + x * (6 * x - 15));
-  const double left_v = -30 * x * x * (1 - x) * (1 - x) / T,
-               left_a = -60 * x * (1 - x) * (1 - 2 * x) / (T * T);
+  const double elapsed = static_cast<double>(step - s.since) * c.dt;
+  if (elapsed >= s.ramp) return;
+  const Progress ramp = quintic_progress(elapsed, s.ramp);  // of the offset towards 0
   for (Eigen::Index i = 0; i < out.q.size(); ++i) {
     const double v = out.v[i];
-    out.q[i] += left * s.offset[i];
-    out.v[i] = v * time.rate + left_v * s.offset[i];
-    out.a[i] = out.a[i] * time.rate * time.rate + v * time.acceleration + left_a * s.offset[i];
+    out.q[i] += (1 - ramp.s) * s.offset[i];
+    out.v[i] = v * time.rate - ramp.rate * s.offset[i];
+    out.a[i] = out.a[i] * time.rate * time.rate + v * time.acceleration - ramp.acceleration * s.offset[i];
   }
 }
 
-/// Lets the motion go on at time t from a robot that rests at q.
+/// Continues the motion at time t from a robot that rests at q.
 void resume(const Config& c, State& s, int64_t step, double t, const Eigen::VectorXd& q, Reference& scratch) {
   motion(c, s, t, scratch);
-  s.since = step, s.began = t, s.held = false;
+  s.since = step;
+  s.start_time = t;
+  s.held = false;
   s.offset = q - scratch.q;
-  double away = 0, speed = 0;
-  s.ramp = kLeast;
+  double distance = 0, speed = 0;
+  s.ramp = kMinTime;
   for (Eigen::Index i = 0; i < s.offset.size(); ++i) {
-    away = std::max(away, std::abs(s.offset[i])), speed = std::max(speed, std::abs(scratch.v[i]));
-    s.ramp = std::max(s.ramp, kQuinticPeak * std::abs(s.offset[i]) / (kShare * c.v_max[i]));
+    distance = std::max(distance, std::abs(s.offset[i]));
+    speed = std::max(speed, std::abs(scratch.v[i]));
+    s.ramp = std::max(s.ramp, kQuinticSpeed * std::abs(s.offset[i]) / (kRampShare * c.v_max[i]));
   }
-  if (away < 1e-9 && speed < 1e-9) s.ramp = 0;  // it starts from rest anyway
+  if (distance < 1e-9 && speed < 1e-9) s.ramp = 0;  // it starts from rest anyway
 }
 
-/// The quintic from one reference to another.
-Way way_between(const Reference& from, const Reference& to, double T) {
-  Way way;
-  way.T = T;
-  for (auto& c : way.c) c.resize(from.q.size());
-  for (Eigen::Index i = 0; i < from.q.size(); ++i) {
-    const double v = from.v[i] * T, a = from.a[i] * T * T, w = to.v[i] * T, b = to.a[i] * T * T,
-                 d = to.q[i] - from.q[i];
-    way.c[0][i] = from.q[i], way.c[1][i] = from.v[i], way.c[2][i] = from.a[i] / 2;
-    way.c[3][i] = (10 * d - 6 * v - 4 * w - 1.5 * a + 0.5 * b) / (T * T * T);
-    way.c[4][i] = (-15 * d + 8 * v + 7 * w + 1.5 * a - b) / (T * T * T * T);
-    way.c[5][i] = (6 * d - 3 * v - 3 * w - 0.5 * a + 0.5 * b) / (T * T * T * T * T);
-  }
-  return way;
-}
-
-/// True if the way stays inside `share` of the speed limits and inside the position limits.
-bool possible(const Config& c, const State& s, double share, Reference& scratch) {
+/// True if the detour stays inside the speed and position limits.
+bool possible(const Config& c, const State& s, Reference& scratch) {
   for (int k = 0; k <= 100; ++k) {
-    motion(c, s, s.way->T * k / 100, scratch);
+    motion(c, s, s.detour->path.length * k / 100, scratch);
     for (Eigen::Index i = 0; i < scratch.q.size(); ++i)
-      if (std::abs(scratch.v[i]) > share * c.v_max[i] * (1 + 1e-9) || scratch.q[i] < c.q_min[i] - 1e-9 ||
+      if (std::abs(scratch.v[i]) > c.v_max[i] * (1 + 1e-9) || scratch.q[i] < c.q_min[i] - 1e-9 ||
           scratch.q[i] > c.q_max[i] + 1e-9)
         return false;
   }
   return true;
 }
 
-/// The time of config's own motion at a step, on a way the one at which it was left.
-double own_time(const Config& c, const State& s, int64_t step) {
-  const double t = s.held ? s.began : motion_time(c, s, step).t;
-  if (!s.way) return t;
-  return s.way->onward && t >= s.way->T ? *s.way->onward + (t - s.way->T) : s.left;
+/// The time of config's own motion at a step; on a detour the one at which it was left.
+double undiverted_time(const Config& c, const State& s, int64_t step) {
+  const double t = s.held ? s.start_time : motion_time(c, s, step).t;
+  if (!s.detour) return t;
+  const double T = s.detour->path.length;
+  return s.detour->resume_time && t >= T ? *s.detour->resume_time + (t - T) : s.left_time;
 }
 
-/// Takes the way that make(T) gives, slower ones too if `patient`; empty, or why not.
+/// Takes the detour make(T), or a slower one if `may_be_slower`; empty, or why not.
 template <class Make>
-std::string take_way(const Config& c, State& s, int64_t step, double T, bool patient, Make make) {
+std::string divert(const Config& c, State& s, int64_t step, double T, bool may_be_slower, Make make) {
   State next = s;
-  next.left = own_time(c, s, step);
-  next.since = step, next.began = 0, next.ramp = 0;
+  next.left_time = undiverted_time(c, s, step);
+  next.since = step;
+  next.start_time = 0;
+  next.ramp = 0;
   Reference scratch;
-  scratch.q.resize(c.q0.size()), scratch.v.resize(c.nv), scratch.a.resize(c.nv);
-  for (int attempt = 0; attempt < (patient ? 12 : 1); ++attempt, T *= 1.25) {
-    next.way = make(T);
-    if (!possible(c, next, 1, scratch)) continue;
+  scratch.q.resize(c.q0.size());
+  scratch.v.resize(c.nv);
+  scratch.a.resize(c.nv);
+  for (int attempt = 0; attempt < (may_be_slower ? 12 : 1); ++attempt, T *= 1.25) {
+    next.detour = make(T);
+    if (!possible(c, next, scratch)) continue;
     s = std::move(next);
     return "";
   }
@@ -122,7 +109,7 @@ std::string take_way(const Config& c, State& s, int64_t step, double T, bool pat
 }
 
 /// Takes a goal; empty, or why not.
-std::string go(const Config& c, State& s, const Action& action, int64_t step, const Reference& from) {
+std::string take_goal(const Config& c, State& s, const Action& action, int64_t step, const Reference& from) {
   if (c.floating) return "a floating robot takes no goals";
   const double asked = action.key == "duration" ? std::strtod(action.text.c_str(), nullptr) : 0;
   Reference to = from;
@@ -135,25 +122,23 @@ std::string go(const Config& c, State& s, const Action& action, int64_t step, co
   } else {
     return "has " + std::to_string(action.values.size()) + " values, needed " + std::to_string(c.q0.size());
   }
-  const double T = asked > 0 ? asked : shortest_way(c, from.q, to.q);
-  return take_way(c, s, step, T, !(asked > 0),
-                  [&](double duration) { return way_between(from, to, duration); });
+  const double T = asked > 0 ? asked : quintic_time(c, from.q, to.q);
+  return divert(c, s, step, T, !(asked > 0),
+                [&](double duration) { return Detour{quintic(0, duration, from, to), {}}; });
 }
 
-/// Back to the motion that a goal has taken the place of; empty, or why not.
-std::string go_back(const Config& c, State& s, const Action& action, int64_t step, const Reference& from) {
+/// Back to the motion that a goal has replaced; empty, or why not.
+std::string rejoin(const Config& c, State& s, const Action& action, int64_t step, const Reference& from) {
   if (action.key != "motion" || action.text != "on") return "the planner knows only motion=on";
-  if (!s.way || s.way->onward) return "";  // it is on
-  const double left = s.left;
-  const auto arrival = c.kind->comes_back;
+  if (!s.detour || s.detour->resume_time) return "";  // it is on
+  const double left = s.left_time;
+  const std::optional<double> meeting = c.motion->rejoin_time(left);
   Reference to = from;
-  c.kind->law(c, arrival ? arrival(c, left) : left, to);
-  return take_way(c, s, step, shortest_way(c, from.q, to.q), true, [&](double T) {
-    const double onward = arrival ? arrival(c, left) : left + T;
-    c.kind->law(c, onward, to);
-    Way way = way_between(from, to, T);
-    way.onward = onward;
-    return way;
+  c.motion->at(meeting.value_or(left), to);
+  return divert(c, s, step, quintic_time(c, from.q, to.q), true, [&](double T) {
+    const double resume_time = meeting.value_or(left + T);
+    c.motion->at(resume_time, to);
+    return Detour{quintic(0, T, from, to), resume_time};
   });
 }
 
@@ -175,10 +160,10 @@ Output step(const Config& config, State& state, const Input& input) {
   const bool held = input.state && !config.floating && (input.held || state.stopped || joins);
   if (held && !state.held) {
     const int64_t at = joins ? input.step : std::max(state.last_step, state.since);
-    state.began = motion_time(config, state, at).t;
+    state.start_time = motion_time(config, state, at).t;
     state.held = true;
   } else if (!held && state.held) {
-    resume(config, state, input.step, state.began, input.state->q, reference);
+    resume(config, state, input.step, state.start_time, input.state->q, reference);
   }
   const auto now = [&] {
     held ? stay(input.state->q, reference) : follow(config, state, input.step, reference);
@@ -187,8 +172,8 @@ Output step(const Config& config, State& state, const Input& input) {
   for (const Action& action : input.actions) {
     if (!is_for(action, "planner")) continue;
     std::string why_not = "the planner has no such action";
-    if (action.verb == "goal") why_not = go(config, state, action, input.step, reference);
-    if (action.verb == "set") why_not = go_back(config, state, action, input.step, reference);
+    if (action.verb == "goal") why_not = take_goal(config, state, action, input.step, reference);
+    if (action.verb == "set") why_not = rejoin(config, state, action, input.step, reference);
     if (!why_not.empty())
       output.events.push_back(ignored(action, "planner", why_not));
     else

@@ -1,3 +1,4 @@
+// The planner as a participant of a run.
 #pragma once
 #include <memory>
 

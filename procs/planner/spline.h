@@ -1,24 +1,56 @@
+// Curves through points, made of polynomials. Value, slope and second derivative are continuous from piece to piece.
+// All that a planner writes but cubics and sinusoids is made of these: quintics, waypoints, paths, detours.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
 
-/// Curves through points, made of polynomials. Value, slope and second derivative are continuous from piece to piece.
+#include "lab/signals/signals.h"
+
 namespace lab::planner {
+
+/// Value and first two derivatives by x of c[0] + c[1] x + .. + c[5] x^5.
+struct Derivatives {
+  double value, first, second;
+};
+template <class Coefficients>
+Derivatives evaluate(const Coefficients& c, double x) {
+  return {c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))),
+          c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5]))),
+          2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]))};
+}
 
 struct Spline {
   struct Piece {
-    double start, length;  ///< of the parameter u
-    Eigen::Matrix<double, Eigen::Dynamic, 6>
-        c;  ///< a row per joint: c0 + c1 x + .. + c5 x^5, x = (u - start) / length
+    double start = 0, length = 0;  ///< of the parameter u
+    /// A row per joint: c0 + c1 x + .. + c5 x^5, x = (u - start) / length.
+    Eigen::Matrix<double, Eigen::Dynamic, 6> c;
+
+    double end() const { return start + length; }
+    /// Value and the first two derivatives by u. The vectors have their sizes.
+    void at(double u, Eigen::VectorXd& q, Eigen::VectorXd& slope, Eigen::VectorXd& bend) const;
   };
   std::vector<Piece> pieces;
 
-  double end() const { return pieces.back().start + pieces.back().length; }
-  /// Value and the first two derivatives by u, 0 <= u <= end(). The vectors have their sizes.
+  double end() const { return pieces.back().end(); }
+  /// The same, 0 <= u <= end().
   void at(double u, Eigen::VectorXd& q, Eigen::VectorXd& slope, Eigen::VectorXd& bend) const;
   /// The same curve, `factor` times as slow.
   void stretch(double factor);
 };
+
+/// The quintic from one q, v, a to another within `length` (s).
+Spline::Piece quintic(double start, double length, const Reference& from, const Reference& to);
+/// The same from rest to rest.
+Spline::Piece quintic(double start, double length, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
+
+/// The quintic from rest at 0 to rest at 1: s = 10 x^3 - 15 x^4 + 6 x^5, x = t / T.
+struct Progress {
+  double s, rate, acceleration;  ///< and derivatives by time
+};
+Progress quintic_progress(double t, double T);
+inline constexpr double kQuinticSpeed = 1.875;  // its largest, of distance / T
+inline constexpr double kQuinticAcceleration =
+    5.773502691896258;  // its largest, of distance / T^2: 10 / sqrt(3)
 
 enum class Ends {
   /// Slope and second derivative 0 at both ends: rest goes over into motion without a jump of the acceleration. The first

@@ -4,6 +4,7 @@
 
 #include "core/util/number.h"
 #include "lab/experiment/joints.h"
+#include "procs/planner/spline.h"
 
 namespace lab::planner {
 namespace {
@@ -30,8 +31,8 @@ std::vector<double> given_times(const Experiment& e) {
   return knots;
 }
 
-/// Arrival times but for a common factor: each piece takes what its slowest joint needs at its speed limit, the first and
-/// the last twice as long, for who speeds up from rest to v without a jump of the acceleration gets on by v t / 2.
+/// Arrival times up to a common factor: each piece takes what its slowest joint needs at its speed limit, the first and
+/// the last twice as long, since a joint that speeds up smoothly from rest to v within t moves by v t / 2.
 std::vector<double> relative_times(const Experiment& e, const Config& config,
                                    const std::vector<Eigen::VectorXd>& points) {
   std::vector<double> knots{0};
@@ -48,44 +49,51 @@ std::vector<double> relative_times(const Experiment& e, const Config& config,
   return knots;
 }
 
-void check_limits(const Experiment& e, const rbd::Model& model, const Config& config) {
-  const Outside found = outside(config.path, config.q_min, config.q_max);
-  if (found.joint < 0) return;
-  fail(e, place("targets", found.piece),
-       "joint '" + joint_at(model, static_cast<int>(found.joint)) + "' would swing out to " +
-           rounded(found.value) + " on the way there (at " + rounded(found.at) + " s); its limit is " +
-           number(found.limit) + "; put a target between, or move those around it");
-}
+struct Waypoints : Motion {
+  Waypoints(const Experiment& e, const Config& c) {
+    if (e.planner.targets.empty()) fail(e, "planner.targets", "is missing; waypoints needs at least one");
+    std::vector<Eigen::VectorXd> points{c.q0};
+    for (const JointValues& target : e.planner.targets)
+      points.push_back(configuration(e, place("targets", points.size() - 1), target, c.model, c.q0));
+    chosen_time = e.planner.times.empty();
+    path = through(chosen_time ? relative_times(e, c, points) : given_times(e), points, Ends::Rest);
+    if (chosen_time) {
+      path.stretch(1 / path.end());
+      path.stretch(shortest_time(c, largest(path, 1), largest(path, 2)));
+    }
+    check_limits(e, c);
+    last = points.back();
+    duration = path.end();
+    peak_speed = largest(path, 1);
+  }
+
+  void check_limits(const Experiment& e, const Config& c) const {
+    const Outside found = outside(path, c.q_min, c.q_max);
+    if (found.joint < 0) return;
+    fail(e, place("targets", found.piece),
+         "joint '" + joint_at(c.model, static_cast<int>(found.joint)) + "' would swing out to " +
+             rounded(found.value) + " on the way there (at " + rounded(found.at) + " s); its limit is " +
+             number(found.limit) + "; put a target between, or move those around it");
+  }
+
+  void at(double t, Reference& out) const override {
+    if (t >= duration) return stay(last, out);
+    path.at(t, out.q, out.v, out.a);
+  }
+  std::optional<double> rejoin_time(double t) const override {
+    for (const Spline::Piece& piece : path.pieces)
+      if (piece.end() >= t) return piece.end();
+    return t;
+  }
+
+  Spline path;  // by time
+  Eigen::VectorXd last;
+};
 
 }  // namespace
 
-void prepare_waypoints(const Experiment& e, const rbd::Model& model, Config& config) {
-  if (e.planner.targets.empty()) fail(e, "planner.targets", "is missing; waypoints needs at least one");
-  std::vector<Eigen::VectorXd> points{config.q0};
-  for (const JointValues& target : e.planner.targets)
-    points.push_back(configuration(e, place("targets", points.size() - 1), target, model, config.q0));
-  config.own_time = e.planner.times.empty();
-  config.path =
-      through(config.own_time ? relative_times(e, config, points) : given_times(e), points, Ends::Rest);
-  if (config.own_time) {
-    config.path.stretch(1 / config.path.end());
-    config.path.stretch(shortest_time(config, largest(config.path, 1), largest(config.path, 2)));
-  }
-  check_limits(e, model, config);
-  config.goal = points.back();
-  config.duration = config.path.end();
-  config.v_peak = largest(config.path, 1);
-}
-
-void waypoints(const Config& c, double t, Reference& out) {
-  if (t >= c.duration) return stay(c.goal, out);
-  c.path.at(t, out.q, out.v, out.a);
-}
-
-double next_waypoint(const Config& c, double t) {
-  for (const Spline::Piece& piece : c.path.pieces)
-    if (piece.start + piece.length >= t) return piece.start + piece.length;
-  return t;
+std::unique_ptr<Motion> make_waypoints(const Experiment& e, const Config& config) {
+  return std::make_unique<Waypoints>(e, config);
 }
 
 }  // namespace lab::planner

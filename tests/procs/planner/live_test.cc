@@ -25,7 +25,8 @@ Config moving() {
 /// A robot that follows perfectly unless it is held; checks that no reference jumps.
 struct Follower {
   explicit Follower(Config c) : config(std::move(c)), state(initial(config)) {
-    robot.q = config.q0, robot.v = Eigen::VectorXd::Zero(6);
+    robot.q = config.q0;
+    robot.v = Eigen::VectorXd::Zero(6);
   }
   Reference next(bool held = false, std::vector<Action> actions = {}) {
     const Output out =
@@ -85,7 +86,10 @@ TEST(PlannerLive, ADurationIsKept) {
 
 TEST(PlannerLive, AWayThatIsTooFastIsRefusedAndChangesNothing) {
   Follower f(moving()), g(moving());
-  for (int k = 0; k < 10; ++k) f.next(), g.next();
+  for (int k = 0; k < 10; ++k) {
+    f.next();
+    g.next();
+  }
   f.next(false, {{"goal", "", "duration", "0.001", {0.2, 0.4, -0.3, 0.1, 0.5, -0.2}}});
   g.next();
   ASSERT_EQ(f.events.size(), 1u);
@@ -116,7 +120,8 @@ TEST(PlannerLive, VelocityAndAccelerationAreTheDerivatives) {
   f.robot.q += Eigen::VectorXd::Constant(6, 0.02);
   for (int k = 0; k < 50; ++k) f.next(true);
   Reference r[3];
-  r[0] = f.next(), r[1] = f.next();
+  r[0] = f.next();
+  r[1] = f.next();
   const double dt = f.config.dt;
   for (int k = 0; k < 2000; ++k) {
     r[2] = f.next();
@@ -124,7 +129,8 @@ TEST(PlannerLive, VelocityAndAccelerationAreTheDerivatives) {
       ASSERT_NEAR(r[1].v[i], (r[2].q[i] - r[0].q[i]) / (2 * dt), 2e-5) << k;
       ASSERT_NEAR(r[1].a[i], (r[2].v[i] - r[0].v[i]) / (2 * dt), 8e-3) << k;
     }
-    r[0] = r[1], r[1] = r[2];
+    r[0] = r[1];
+    r[1] = r[2];
   }
 }
 

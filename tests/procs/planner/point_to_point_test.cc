@@ -28,7 +28,9 @@ Experiment cycle(double dt = 1e-3) {
   e.planner.kind = "point_to_point";
   e.planner.dwell = 0.25;
   e.planner.targets.resize(3);
-  e.planner.targets[0].value = kA, e.planner.targets[1].value = kB, e.planner.targets[2].value = kC;
+  e.planner.targets[0].value = kA;
+  e.planner.targets[1].value = kB;
+  e.planner.targets[2].value = kC;
   return e;
 }
 
@@ -37,7 +39,8 @@ Experiment cycle(double dt = 1e-3) {
 /// and T >= 0.5: a step of q, v or a beyond what kJerk allows is a jump.
 struct Follower {
   explicit Follower(const Experiment& e) : config(make_config(e, arm())), state(initial(config)) {
-    robot.q = config.q0, robot.v = Eigen::VectorXd::Zero(6);
+    robot.q = config.q0;
+    robot.v = Eigen::VectorXd::Zero(6);
   }
   Reference next(std::vector<Action> actions = {}, bool held = false) {
     const Output out =
@@ -54,7 +57,8 @@ struct Follower {
         fastest = std::max(fastest, std::abs(r.v[i]) / config.v_max[i]);
       }
     last = r;
-    robot.q = r.q, robot.v = r.v;
+    robot.q = r.q;
+    robot.v = r.v;
     return r;
   }
   void run(double seconds) {
@@ -107,7 +111,8 @@ TEST(PointToPoint, VisitsTheTargetsInTurnRoundAndRound) {
       expect_rest(at(c, t + 0.01), target);  // arrived ..
       expect_rest(at(c, t + 0.24), target);  // .. and still there
       EXPECT_GT((at(c, t + 0.35).q - at(c, t).q).norm(), 1e-3) << "gone on";
-      t += 0.25, from = target;
+      t += 0.25;
+      from = target;
     }
 }
 
@@ -144,7 +149,7 @@ TEST(PointToPoint, AGoalComesBetweenAnywhereAndTheCycleGoesOnFromThere) {
     EXPECT_TRUE(f.events.empty()) << f.events[0].why;
     f.expect_no_jump();
     EXPECT_LE(f.fastest, 1);
-    EXPECT_FALSE(f.state.way && !f.state.way->onward) << "the cycle is on again";
+    EXPECT_FALSE(f.state.detour && !f.state.detour->resume_time) << "the cycle is on again";
   }
 }
 
@@ -204,7 +209,8 @@ TEST(PointToPoint, WhatMakesNoSenseIsRefused) {
   e.where = {{"planner.targets", "x.yaml:3"}, {"planner.targets[1]", "x.yaml:5"}};
   e.planner.targets[1].value = std::vector<double>{1, 2};
   EXPECT_TRUE(refusal(e).starts_with("x.yaml:5: planner.targets[1]: has 2 numbers")) << refusal(e);
-  e.planner.targets[1] = {}, e.planner.targets[2].value = 50.0;
+  e.planner.targets[1] = {};
+  e.planner.targets[2].value = 50.0;
   EXPECT_TRUE(refusal(e).starts_with("x.yaml:3: planner.targets[2]: joint ")) << refusal(e);
   Follower f(cycle());
   f.next({{"set", "planner", "motion", "off", {}}});

@@ -114,7 +114,8 @@ TEST(Spline, ExtremesAreExact) {
           double low = 1e9, high = -1e9;
           for (int k = 0; k <= 2000; ++k) {
             const double y = value(piece.start + piece.length * k / 2000);
-            low = std::min(low, y), high = std::max(high, y);
+            low = std::min(low, y);
+            high = std::max(high, y);
           }
           const double scale = std::pow(piece.length, -order);
           EXPECT_NEAR(value(e.low_at), e.low, 1e-12 * scale);

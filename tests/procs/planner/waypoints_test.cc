@@ -47,7 +47,7 @@ struct Seen {
 Seen watch(const Config& c) {
   Seen out;
   const double h = c.dt;
-  const auto steps = static_cast<int64_t>(c.duration / h) + 100;
+  const auto steps = static_cast<int64_t>(c.motion->duration / h) + 100;
   std::vector<Reference> r;
   double jerk = 0;
   for (int64_t k = 0; k <= steps; ++k) {
@@ -103,13 +103,13 @@ TEST(Waypoints, TheFastestJointMovesAtTheShareOfItsLimit) {
       Experiment e = through(targets);
       e.planner.speed = speed;
       const Config c = make_config(e, arm());
-      if (c.duration == kLeast) continue;
+      if (c.motion->duration == kMinTime) continue;
       const Seen seen = watch(c);
       EXPECT_LE(seen.speed, speed * (1 + 1e-12));
       // the samples miss the peak by h / 2 at most: a jerk of 1000 / s3 takes 1000 (h / 2)^2 / 2 / 6 of the limit there
       EXPECT_GE(seen.speed, speed - 2.1e-5);
       double stated = 0;
-      for (int i = 0; i < 6; ++i) stated = std::max(stated, c.v_peak[i] / c.v_max[i]);
+      for (int i = 0; i < 6; ++i) stated = std::max(stated, c.motion->peak_speed[i] / c.v_max[i]);
       EXPECT_NEAR(stated, speed, 1e-12);
     }
 }
@@ -128,11 +128,13 @@ TEST(Waypoints, MoreTimeForALongerPiece) {
   // one joint, three equal ways and then one of twice the length: 2 : 1 : 1 : 2 x 2
   const auto place = [](double x) { return std::vector<double>{x, -0.2, 0.3, 0, 0.4, -0.1}; };
   const Config c = make_config(through({place(0.4), place(0.7), place(1.0), place(1.6)}), arm());
-  ASSERT_EQ(c.path.pieces.size(), 4u);
-  const double unit = c.path.pieces[1].length;
-  EXPECT_NEAR(c.path.pieces[0].length, 2 * unit, 1e-12);
-  EXPECT_NEAR(c.path.pieces[2].length, unit, 1e-12);
-  EXPECT_NEAR(c.path.pieces[3].length, 4 * unit, 1e-12);
+  double arrivals[5] = {};  // at the targets
+  for (int k = 1; k < 5; ++k) arrivals[k] = c.motion->rejoin_time(arrivals[k - 1] + 1e-9).value();
+  EXPECT_EQ(arrivals[4], c.motion->duration);
+  const double unit = arrivals[2] - arrivals[1];
+  EXPECT_NEAR(arrivals[1], 2 * unit, 1e-12);
+  EXPECT_NEAR(arrivals[3] - arrivals[2], unit, 1e-12);
+  EXPECT_NEAR(arrivals[4] - arrivals[3], 4 * unit, 1e-12);
 }
 
 TEST(Waypoints, LedAwayItComesBackToTheNextTargetWithoutAJump) {
@@ -201,8 +203,8 @@ TEST(ShortestDuration, TakesTheSpeedOrTheAccelerationThatIsAllowed) {
     e.planner.goal.value = kB;
     e.planner.speed = 0.2;
     Config c = make_config(e, arm());
-    EXPECT_GT(c.duration, kLeast);
-    EXPECT_TRUE(c.own_time);
+    EXPECT_GT(c.motion->duration, kMinTime);
+    EXPECT_TRUE(c.motion->chosen_time);
     Seen seen = watch(c);
     EXPECT_LE(seen.speed, 0.2 * (1 + 1e-12)) << kind;
     EXPECT_GE(seen.speed, 0.2 * (1 - 1e-5)) << kind;
@@ -212,7 +214,7 @@ TEST(ShortestDuration, TakesTheSpeedOrTheAccelerationThatIsAllowed) {
     EXPECT_LE(seen.acceleration, 2 * (1 + 1e-12)) << kind;
     EXPECT_GE(seen.acceleration, 2 * (1 - 1e-5)) << kind;
     e.planner.duration = 7;
-    EXPECT_EQ(make_config(e, arm()).duration, 7) << "what is given is kept";
+    EXPECT_EQ(make_config(e, arm()).motion->duration, 7) << "what is given is kept";
   }
 }
 
