@@ -133,7 +133,8 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   planner::State state = planner::initial(plan);
   Worst loop, friction, stops;
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.nv),
-                        drag = plant.damping + plant.friction / kSlipSpeed;  // slope at v = 0
+                        drag =
+                            plant.model.damping + plant.model.friction / rbd::kSlipSpeed;  // slope at v = 0
   Eigen::VectorXd stop_stiffness = none, stop_damping = none;
   for (const simulator::SoftStop& stop : plant.disturbances.stops)
     stop_stiffness[stop.v] = stop.stiffness, stop_damping[stop.v] = stop.damping;

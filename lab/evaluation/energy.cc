@@ -16,7 +16,7 @@ Energy balance(const Run& run) {
   const auto loss = [&](const Eigen::VectorXd& v) {
     double power = 0;
     for (Eigen::Index i = 0; i < v.size(); ++i)
-      power += (run.damping[i] * v[i] + run.friction[i] * std::tanh(v[i] / kSlipSpeed)) * v[i];
+      power += rbd::frictionEffort(run.damping[i], run.friction[i], v[i]) * v[i];
     return power;
   };
   double work = 0;

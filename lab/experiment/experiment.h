@@ -55,9 +55,6 @@ struct PlannedPayload {
   bool operator==(const PlannedPayload&) const = default;
 };
 
-/// Dry friction is smoothed to friction * tanh(v / kSlipSpeed): rad/s, m/s.
-inline constexpr double kSlipSpeed = 0.01;
-
 struct Experiment {
   std::string name;      ///< of the run; the file's name without .yaml unless given
   int64_t seed = 0;      ///< of everything random

@@ -8,26 +8,6 @@
 namespace lab {
 namespace {
 
-/// Which of a joint's numbers must have length 1, and what they are called.
-struct UnitPart {
-  int at = 0, size = 0;
-  const char* name = "";
-};
-
-UnitPart unit_part(const rbd::JointModel& joint) {
-  const int at = joint.idx_q();
-  switch (joint.manifold()) {
-    case rbd::Manifold::Rotation:
-      return {at, 4, "quaternion (x, y, z, w)"};
-    case rbd::Manifold::Pose:
-      return {at + 3, 4, "quaternion (x, y, z, w)"};
-    case rbd::Manifold::PlanarPose:
-      return {at + 2, 2, "direction (cos, sin)"};
-    default:
-      return {};
-  }
-}
-
 /// Calls put(joint, value) for what is given; a list of out.size() numbers is taken as the whole vector.
 template <class Put>
 void spread(const Experiment& e, const std::string& key, const JointValues& values, const rbd::Model& model,
@@ -84,7 +64,7 @@ Eigen::VectorXd configuration(const Experiment& e, const std::string& key, const
   spread(e, key, values, model, q, [&](int j, double value) { q[model.joints[j].idx_q()] = value; });
   for (int j = 1; j < model.njoints; ++j) {
     const int at = model.joints[j].idx_q();
-    if (const UnitPart unit = unit_part(model.joints[j]); unit.size > 0) {
+    if (const rbd::UnitPart unit = model.joints[j].unit_part(); unit.size > 0) {
       double length = 0;
       for (int i = unit.at; i < unit.at + unit.size; ++i) length += q[i] * q[i];
       length = std::sqrt(length);

@@ -65,6 +65,11 @@ void set_payload(const rbd::Model& nominal, const Payload& payload, Load& load) 
 
 }  // namespace
 
+Push make_push(rbd::FrameIndex frame, const Eigen::Vector3d& torque, const Eigen::Vector3d& force,
+               int64_t steps) {
+  return {{frame, rbd::Force(torque, force), rbd::LOCAL_WORLD_ALIGNED}, steps};
+}
+
 Disturbances make_disturbances(const Experiment& e, const rbd::Model& model) {
   Disturbances out;
   const double dt = e.simulator.dt;
@@ -75,11 +80,11 @@ Disturbances make_disturbances(const Experiment& e, const rbd::Model& model) {
   for (size_t i = 0; i < e.simulator.pushes.size(); ++i) {
     const PlannedPush& push = e.simulator.pushes[i];
     const std::string key = "simulator.pushes[" + std::to_string(i) + "]";
-    Push what{frame_of(key, push.frame), {}, std::llround(push.duration / dt)};
+    const auto vector = [](const std::array<double, 3>& x) { return Eigen::Vector3d(x[0], x[1], x[2]); };
+    const Push what = make_push(frame_of(key, push.frame), vector(push.torque), vector(push.force),
+                                std::llround(push.duration / dt));
     if (what.steps < 1)
       fail(e, key + ".duration", number(push.duration) + " s is less than one step of " + number(dt) + " s");
-    what.wrench << push.torque[0], push.torque[1], push.torque[2], push.force[0], push.force[1],
-        push.force[2];
     out.pushes.push_back({std::llround(push.time / dt), what});
   }
   for (size_t i = 0; i < e.simulator.payloads.size(); ++i) {
@@ -101,9 +106,10 @@ void begin_step(const Disturbances& planned, const rbd::Model& nominal, int64_t 
        ++load.next_push) {
     const Push& push = planned.pushes[load.next_push].what;
     load.pushes.push_back(push);
-    events.push_back({"push", nominal.frames[push.frame].name,
-                      "force " + text(push.wrench.tail<3>()) + " N, torque " + text(push.wrench.head<3>()) +
-                          " Nm for " + std::to_string(push.steps) + " steps"});
+    const auto& [frame, wrench, reference] = push.wrench;
+    events.push_back({"push", nominal.frames[frame].name,
+                      "force " + text(wrench.linear()) + " N, torque " + text(wrench.angular()) + " Nm for " +
+                          std::to_string(push.steps) + " steps"});
   }
   for (; load.next_payload < planned.payloads.size() && planned.payloads[load.next_payload].from == step;
        ++load.next_payload) {
@@ -124,8 +130,8 @@ std::string take(const Action& action, const rbd::Model& nominal, double dt, Loa
     return "";
   }
   if (std::string fault = push_fault(nominal, action); !fault.empty()) return fault;
-  Push push{nominal.frameId(action.target), {}, std::llround(x[6] / dt)};
-  push.wrench << x[0], x[1], x[2], x[3], x[4], x[5];
+  const Push push = make_push(nominal.frameId(action.target), {x[0], x[1], x[2]}, {x[3], x[4], x[5]},
+                              std::llround(x[6] / dt));
   if (push.steps > 0) load.pushes.push_back(push);
   return "";
 }

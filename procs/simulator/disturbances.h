@@ -1,7 +1,8 @@
 // What acts on the simulated robot besides its motors, unknown to its controller: pushes, payloads, and
 // the soft stops before the ends of its joints.
 #pragma once
-#include <rbd/algorithm/data.h>
+#include <rbd/algorithm/external_wrench.h>
+#include <rbd/model/model.h>
 
 #include <string>
 #include <vector>
@@ -11,12 +12,14 @@
 
 namespace lab::simulator {
 
-/// A wrench on a frame for some steps.
+/// A wrench at a frame's origin, world axes, for some steps.
 struct Push {
-  rbd::FrameIndex frame = 0;
-  Eigen::Matrix<double, 6, 1> wrench;  ///< (n, f) at the frame's origin, world axes: Nm, N
-  int64_t steps = 0;                   ///< left
+  rbd::FrameWrench wrench;
+  int64_t steps = 0;  ///< left
 };
+/// From torque (Nm) and force (N).
+Push make_push(rbd::FrameIndex frame, const Eigen::Vector3d& torque, const Eigen::Vector3d& force,
+               int64_t steps);
 
 /// A point mass that is fixed to a frame.
 struct Payload {

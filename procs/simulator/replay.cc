@@ -147,10 +147,11 @@ ExternalEnergy external_energy(const Config& config, std::span<const RobotState>
     if (!load.pushes.empty()) after.set(states[k + 1]);
     for (const Push& push : load.pushes) {
       const Eigen::Vector3d displacement =
-          after.pose(push.frame).translation() - before.pose(push.frame).translation();
+          after.pose(push.wrench.frame).translation() - before.pose(push.wrench.frame).translation();
       const Eigen::Vector3d rotation =
-          0.5 * config.dt * (before.velocity(push.frame).angular() + after.velocity(push.frame).angular());
-      work += push.wrench.tail<3>().dot(displacement) + push.wrench.head<3>().dot(rotation);
+          0.5 * config.dt *
+          (before.velocity(push.wrench.frame).angular() + after.velocity(push.wrench.frame).angular());
+      work += push.wrench.wrench.linear().dot(displacement) + push.wrench.wrench.angular().dot(rotation);
     }
     end_step(load);
     ignored_events.clear();

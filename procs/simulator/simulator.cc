@@ -2,7 +2,6 @@
 
 #include <rbd/algorithm/aba.h>
 #include <rbd/algorithm/configuration.h>
-#include <rbd/algorithm/jacobian.h>
 #include <rbd/algorithm/rnea.h>
 
 #include <cmath>
@@ -39,7 +38,11 @@ bool accept(const Config& config, const Command& command, std::vector<Event>& ev
 /// The effort that holds the robot, within its limits: brakes it, and compensates gravity.
 void hold(const Config& config, State& s) {
   s.a = -s.robot.v / std::max(kBrakeTime, 2 * config.dt);
+  rbd::JointTerms& terms = s.load.model.terms;
+  const rbd::JointTerms all = terms;
+  terms.damping = terms.friction = false;  // they brake too
   rbd::rnea(s.load.model, s.data, s.robot.q, s.robot.v, s.a, s.applied);
+  terms = all;
   if (!config.hold_gravity) s.applied -= rbd::computeGeneralizedGravity(s.load.model, s.data, s.robot.q);
   for (const rbd::JointModel& joint : config.model.joints)
     for (int i = joint.idx_v(); i < joint.idx_v() + joint.nv(); ++i) {
@@ -49,24 +52,12 @@ void hold(const Config& config, State& s) {
     }
 }
 
-/// Adds J^T wrench for every push.
-void add_pushes(const Config& config, State& s, const Eigen::VectorXd& q) {
-  for (const Push& push : s.load.pushes) {
-    rbd::computeFrameJacobian(config.model, s.data, q, push.frame, rbd::LOCAL_WORLD_ALIGNED, s.jacobian);
-    s.force.noalias() += s.jacobian.transpose() * push.wrench;
-  }
-}
-
-/// a for the effort in force at q, v.
+/// a for the effort in force at q, v. Damping and friction are in the model.
 void accelerate(const Config& config, State& s, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                 Eigen::VectorXd& a) {
-  for (Eigen::Index i = 0; i < v.size(); ++i) {
-    s.force[i] = s.applied[i] - config.damping[i] * v[i];
-    if (config.friction[i] > 0) s.force[i] -= config.friction[i] * std::tanh(v[i] / kSlipSpeed);
-  }
-  add_pushes(config, s, q);
+  s.force = s.applied;
   add_stops(config.disturbances.stops, q, v, s.force);
-  rbd::aba(s.load.model, s.data, q, v, s.force, a);
+  rbd::aba(s.load.model, s.data, q, v, s.force, s.wrenches, a);
 }
 
 void semi_implicit_euler(const Config& config, State& s) {
@@ -76,27 +67,7 @@ void semi_implicit_euler(const Config& config, State& s) {
   rbd::integrate(config.model, s.robot.q, s.twist, s.q);
 }
 
-/// How the coordinates x of q = q0 exp(x) change when the body moves with v: v + [x, v] / 2 + [x, [x, v]]
-/// / 12. Only a floating base has brackets that are not zero. Source: Munthe-Kaas 1999 (RKMK, order 4).
-void coordinate_rate(const rbd::Model& model, const Eigen::VectorXd& x, Eigen::VectorXd& v) {
-  for (int j = 1; j < model.njoints; ++j) {
-    const rbd::JointModel& joint = model.joints[j];
-    if (joint.nv() == joint.nq()) continue;
-    const int at = joint.idx_v(), n = joint.nv();
-    // as twists, whatever the kind: planar ones are (vx, vy, w)
-    const bool planar = joint.manifold() == rbd::Manifold::PlanarPose;
-    const auto axis = [planar](int k) { return planar ? (k < 2 ? 3 + k : 2) : k; };
-    rbd::Vector6d m = rbd::Vector6d::Zero(), twist = rbd::Vector6d::Zero();
-    for (int k = 0; k < n; ++k) {
-      m[axis(k)] = x[at + k];
-      twist[axis(k)] = v[at + k];
-    }
-    const rbd::Motion once = rbd::Motion(m).cross(rbd::Motion(twist)), twice = rbd::Motion(m).cross(once);
-    const rbd::Vector6d more = 0.5 * once.toVector() + twice.toVector() / 12;
-    for (int k = 0; k < n; ++k) v[at + k] += more[axis(k)];
-  }
-}
-
+// Classic Runge-Kutta on the coordinates x of q = q0 exp(x), with their rate to the order that it needs (RKMK).
 void runge_kutta_4(const Config& config, State& s) {
   constexpr double kAt[4] = {0, 0.5, 0.5, 1};
   for (int i = 0; i < 4; ++i) {
@@ -110,7 +81,7 @@ void runge_kutta_4(const Config& config, State& s) {
       s.slope_q[i] = s.robot.v + kAt[i] * config.dt * s.slope_v[i - 1];
     }
     accelerate(config, s, s.q, s.slope_q[i], s.slope_v[i]);
-    if (i > 0) coordinate_rate(config.model, s.twist, s.slope_q[i]);
+    if (i > 0) rbd::coordinateRate(config.model, s.twist, s.slope_q[i], s.slope_q[i]);
   }
   const double sixth = config.dt / 6;
   s.v = s.robot.v + sixth * (s.slope_v[0] + 2 * s.slope_v[1] + 2 * s.slope_v[2] + s.slope_v[3]);
@@ -146,6 +117,24 @@ Event divergence(const Config& config, const State& s) {
   return {};
 }
 
+/// Carries out pushes and payloads; estop and rearm go to `safety_input`.
+void take_actions(const Config& config, State& state, std::span<const Action> actions,
+                  safety::Input& safety_input, std::vector<Event>& events) {
+  for (const Action& action : actions) {
+    if (!is_for(action, "simulator")) continue;
+    std::string why_not;
+    if (action.verb == "estop")
+      safety_input.estop = true;
+    else if (action.verb == "rearm")
+      safety_input.rearm = true;
+    else if (action.verb == "push" || action.verb == "payload")
+      why_not = take(action, config.model, config.dt, state.load);
+    else
+      why_not = "the simulator has no such action";
+    if (!why_not.empty()) events.push_back(ignored(action, "simulator", why_not));
+  }
+}
+
 }  // namespace
 
 Config make_config(const Experiment& e, const rbd::Model& model) {
@@ -155,8 +144,10 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
   if (e.simulator.integrator == "rk4") config.integrator = Integrator::RungeKutta4;
   config.q0 = configuration(e, "simulator.q0", e.simulator.q0, model, rbd::neutral(model));
   config.v0 = joint_vector(e, "simulator.v0", e.simulator.v0, model, 0);
-  config.damping = joint_vector(e, "simulator.damping", e.simulator.damping, model, 0);
-  config.friction = joint_vector(e, "simulator.friction", e.simulator.friction, model, 0);
+  config.model.damping = joint_vector(e, "simulator.damping", e.simulator.damping, model, 0);
+  config.model.friction = joint_vector(e, "simulator.friction", e.simulator.friction, model, 0);
+  config.model.terms.damping = (config.model.damping.array() != 0).any();
+  config.model.terms.friction = (config.model.friction.array() != 0).any();
   if (e.simulator.clock == "realtime") {
     config.safety.timeout = static_cast<int64_t>(std::floor(e.safety.timeout / config.dt + 1e-9));
     if (config.safety.timeout < 2)
@@ -186,7 +177,6 @@ State::State(const Config& config)
   q = robot.q;
   v = robot.v;
   robot.tau = effort = applied = force = a = twist = zero;
-  jacobian.setZero(6, config.model.nv);
   clamped.assign(config.model.nv, false);
   for (int i = 0; i < 4; ++i) slope_q[i] = slope_v[i] = zero;
 }
@@ -201,19 +191,9 @@ Output step(const Config& config, State& state, const Input& input) {
   Output output;
   begin_step(config.disturbances, config.model, state.robot.step, state.load, output.events);
   safety::Input safety_input{.step = state.robot.step + 1, .command_from = {}};
-  for (const Action& action : input.actions) {
-    if (!is_for(action, "simulator")) continue;
-    std::string why_not;
-    if (action.verb == "estop")
-      safety_input.estop = true;
-    else if (action.verb == "rearm")
-      safety_input.rearm = true;
-    else if (action.verb == "push" || action.verb == "payload")
-      why_not = take(action, config.model, config.dt, state.load);
-    else
-      why_not = "the simulator has no such action";
-    if (!why_not.empty()) output.events.push_back(ignored(action, "simulator", why_not));
-  }
+  take_actions(config, state, input.actions, safety_input, output.events);
+  state.wrenches.clear();
+  for (const Push& push : state.load.pushes) state.wrenches.push_back(push.wrench);
   if (input.command &&
       safety::fresh(config.safety, state.safety, safety_input.step, input.command->state_step) &&
       accept(config, *input.command, output.events)) {

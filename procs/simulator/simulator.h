@@ -1,9 +1,10 @@
 // The robot as simulated: one step of time as a pure function of config, state and input.
-// a = M^-1 (tau + J^T pushes + soft stops - damping v - friction tanh(v / 0.01) - nle), armature and payloads in M and
+// a = M^-1 (tau + J^T pushes + soft stops - damping v - friction tanh(v / kSlipSpeed) - nle), armature and payloads in M and
 // nle. While holding, the command is ignored and the robot held: tau = M (-v / 0.1 s) + nle (`gravity`), or
 // without gravity's part. The true state stays inside; Output::state is as the sensors measure it.
 #pragma once
 #include <rbd/algorithm/data.h>
+#include <rbd/algorithm/external_wrench.h>
 
 #include <span>
 #include <string>
@@ -23,13 +24,12 @@ enum class Integrator {
 };
 
 struct Config {
-  rbd::Model model;
-  double dt = 0;  ///< s
+  rbd::Model model;  ///< nominal, with simulator.damping and .friction
+  double dt = 0;     ///< s
   Integrator integrator = Integrator::SemiImplicitEuler;
-  Eigen::VectorXd q0, v0;             ///< nq; nv
-  Eigen::VectorXd damping, friction;  ///< nv: Nm s/rad, Nm; 0 for a floating base
-  safety::Config safety;              ///< with a watchdog in real time
-  bool hold_gravity = true;           ///< holding compensates the weight of the robot and its payloads
+  Eigen::VectorXd q0, v0;    ///< nq; nv
+  safety::Config safety;     ///< with a watchdog in real time
+  bool hold_gravity = true;  ///< holding compensates the weight of the robot and its payloads
   Sensors sensors;
   Disturbances disturbances;
 };
@@ -48,7 +48,7 @@ struct State {
   Load load;
   rbd::Data data;  ///< scratch from here on
   Eigen::VectorXd force, a, twist, q, v, applied;
-  rbd::Matrix6Xd jacobian;
+  rbd::FrameWrenches wrenches;
   Eigen::VectorXd slope_q[4], slope_v[4];
 };
 
