@@ -97,6 +97,8 @@ class FollowerRole : public Role {
  public:
   FollowerRole(std::string name, Channel answer, FollowerConfig config, BeginRun begin,
                MakeFollowerRun make_run, Publish publish);
+  FollowerRole(const FollowerRole&) = delete;  // its FollowerRun refers to it
+  FollowerRole& operator=(const FollowerRole&) = delete;
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
