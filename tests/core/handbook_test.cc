@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tests/core/algorithm/random_tree.h"
+#include "tests/support/paths.h"
 
 namespace rbd {
 namespace {
@@ -101,7 +102,7 @@ TEST_F(Handbook, AddJointAndAddFrame) {
 }
 
 TEST_F(Handbook, Urdf) {
-  const std::string file = LCMLAB_MODELS "/simple_3dof_arm.urdf";
+  const std::string file = lab::source_path("models/simple_3dof_arm.urdf");
   Model one, two, three;
   GeometryModel shapes;
   urdf::buildModel(file, one);

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <string>
 
+#include "tests/support/paths.h"
+
 namespace {
 
 struct Answer {
@@ -14,8 +16,10 @@ struct Answer {
 Answer run(const std::string& environment) {
   Answer answer;
   // a leak checker's words about suppressed leaks are no answer
-  FILE* pipe = popen(
-      ("LSAN_OPTIONS=print_suppressions=0 " + environment + " '" LAB_RENDER_HASH "' 2>&1").c_str(), "r");
+  FILE* pipe = popen(("LSAN_OPTIONS=print_suppressions=0 " + environment + " '" +
+                      lab::build_path("bin/render_hash") + "' 2>&1")
+                         .c_str(),
+                     "r");
   if (!pipe) return answer;
   for (char part[256]; std::fgets(part, sizeof part, pipe);) answer.text += part;
   answer.status = pclose(pipe);

@@ -8,6 +8,7 @@
 #include "render/png.h"
 #include "render/trace.h"
 #include "tests/render/sample.h"
+#include "tests/support/paths.h"
 
 namespace lab::render {
 namespace {
@@ -27,7 +28,7 @@ int differing_pixels(const Image& a, const Image& b) {
 constexpr int kCap = 160 * 120 / 200;  // half a per cent: samples on edges
 
 void expect_golden(const Image& image, const std::string& name) {
-  const std::string path = LAB_GOLDEN "/render_" + name + ".png";
+  const std::string path = lab::source_path("tests/golden/render_") + name + ".png";
   if (std::getenv("LAB_WRITE_GOLDEN")) write_png(path, image);
   EXPECT_LE(differing_pixels(image, read_png(path).image), kCap) << name;
 }

@@ -10,6 +10,7 @@
 
 #include "render/mesh/primitives.h"
 #include "tests/render/sample.h"
+#include "tests/support/paths.h"
 
 namespace lab::render {
 namespace {
@@ -289,7 +290,8 @@ TEST(Renderer, SameBytesForAnyNumberOfThreads) {
   std::snprintf(expected, sizeof expected, "%016lx",
                 static_cast<unsigned long>(hash_of(draw_sample(Quality::kFine))));
   for (const char* threads : {"0", "1", "2", "4"}) {
-    const std::string command = std::string("LP_NUM_THREADS=") + threads + " '" LAB_RENDER_HASH "'";
+    const std::string command =
+        std::string("LP_NUM_THREADS=") + threads + " '" + lab::build_path("bin/render_hash") + "'";
     FILE* pipe = popen(command.c_str(), "r");
     ASSERT_NE(pipe, nullptr);
     char line[64] = "";

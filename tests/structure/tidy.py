@@ -83,9 +83,11 @@ def flags_of(entry):
         if word in ("-o", "-c", "-MF", "-MT", "-MQ"):
             if word != "-c":
                 next(words)
-        elif word in ("-I", "-isystem", "-iquote", "-include"):
+        elif word == "-include":  # g++'s precompiled header: a source must include what it uses
+            next(words)
+        elif word in ("-I", "-isystem", "-iquote"):
             flags += [word, next(words)]
-        elif word.startswith("-") and word not in ("-MD", "-MMD", "-Werror"):
+        elif word.startswith("-") and word not in ("-MD", "-MMD", "-Werror", "-Winvalid-pch", "-fpch-preprocess"):
             flags.append(word)
     return flags
 
@@ -129,9 +131,9 @@ class Checker:
             lines += [(file, n) for n in range(1, len(own) + 1)]
             flags += ["-iquote", os.path.join(root, os.path.dirname(file))]
             options = self.sources.flags[file]
-            flags += [f for f in options if f.startswith("-") and f not in flags and f not in ("-isystem", "-I", "-include")]
+            flags += [f for f in options if f.startswith("-") and f not in flags and f not in ("-isystem", "-I")]
             for i, option in enumerate(options):
-                if option in ("-isystem", "-I", "-include"):
+                if option in ("-isystem", "-I"):
                     flags += options[i:i + 2]
         with open(name, "w", encoding="utf-8") as f:
             f.write("\n".join(text) + "\n")

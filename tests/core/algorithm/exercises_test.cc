@@ -10,6 +10,7 @@
 
 #include "rbd/urdf/urdf.h"
 #include "tests/core/algorithm/random_tree.h"
+#include "tests/support/paths.h"
 
 namespace rbd {
 namespace {
@@ -188,7 +189,7 @@ TEST_F(SixAxes, CentreOfMassHasThreeRows) {
 class UrdfArm : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::ifstream file(LCMLAB_MODELS "/simple_3dof_arm.urdf");
+    std::ifstream file(lab::source_path("models/simple_3dof_arm.urdf"));
     std::stringstream all;
     all << file.rdbuf();
     text = all.str();

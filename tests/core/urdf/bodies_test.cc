@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <sstream>
 
+#include "tests/support/paths.h"
+
 namespace rbd::urdf {
 namespace {
 
@@ -148,7 +150,7 @@ TEST(UrdfBodies, GravityTorqueOfTheWeldedRobot) {
 // The sample arm stretched out level: each joint carries mass times lever, as in a textbook.
 TEST(UrdfBodies, SampleArmHeldLevel) {
   Model model;
-  buildModel(MODEL_DIR "/simple_3dof_arm.urdf", model);
+  buildModel(lab::source_path("models/simple_3dof_arm.urdf"), model);
   Data data(model);
   const Eigen::Vector3d level(0.3, M_PI / 2, 0), zero = Eigen::Vector3d::Zero();
   const Eigen::VectorXd tau = rnea(model, data, level, zero, zero);

@@ -7,6 +7,8 @@
 #include <ctime>
 #include <set>
 
+#include "tests/support/paths.h"
+
 namespace rbd::urdf {
 namespace {
 
@@ -17,7 +19,7 @@ std::string all(const std::vector<Diagnostic>& list) {
 }
 
 const std::vector<CorpusCase>& cases() {
-  static const std::vector<CorpusCase> table = read_corpus(CORPUS);
+  static const std::vector<CorpusCase> table = read_corpus(lab::source_path("tests/core/urdf/corpus.txt"));
   return table;
 }
 

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/paths.h"
+
 namespace rbd::urdf {
 namespace {
 
@@ -23,7 +25,8 @@ Loaded robot(const std::string& inside, const std::string& name = "<urdf>", cons
 TEST(UrdfGeometry, SampleArm) {
   Model model;
   GeometryModel shapes;
-  EXPECT_TRUE(buildModelsFromUrdf(MODEL_DIR "/simple_3dof_arm.urdf", {}, model, shapes).empty());
+  EXPECT_TRUE(
+      buildModelsFromUrdf(lab::source_path("models/simple_3dof_arm.urdf"), {}, model, shapes).empty());
   ASSERT_EQ(shapes.visual.size(), 4u);
   ASSERT_EQ(shapes.collision.size(), 4u);
   const auto is = [&](int k, const std::string& link, JointIndex joint, Shape shape,

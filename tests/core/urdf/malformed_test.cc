@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/core/urdf/corpus.h"
+#include "tests/support/paths.h"
 
 namespace rbd::urdf {
 namespace {
@@ -60,7 +61,7 @@ TEST(Malformed, FilesThatCannotBeRead) {
                 .text()
                 .find("/nowhere/arm.urdf: cannot be read (No such file"),
             std::string::npos);
-  EXPECT_NE(load(MODEL_DIR).diagnostics.at(0).message.find("folder"), std::string::npos);
+  EXPECT_NE(load(lab::source_path("models")).diagnostics.at(0).message.find("folder"), std::string::npos);
 }
 
 // A name with a line break or a percent sign must neither break the one-line rule nor be taken for a format.
@@ -76,7 +77,7 @@ TEST(Malformed, HostileNamesStayInOneLine) {
 // Whatever a file is damaged to: refused with a message, or a model in which every number is one.
 // URDF_MUTATIONS in the environment asks for more rounds.
 TEST(Malformed, DamagedFilesGiveMessagesOrFiniteModels) {
-  std::ifstream in(MODEL_DIR "/simple_3dof_arm.urdf");
+  std::ifstream in(lab::source_path("models/simple_3dof_arm.urdf"));
   const std::string sound(std::istreambuf_iterator<char>(in), {});
   ASSERT_GT(sound.size(), 1000u);
   const char* more = std::getenv("URDF_MUTATIONS");

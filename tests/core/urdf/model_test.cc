@@ -13,11 +13,13 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/support/paths.h"
+
 namespace rbd::urdf {
 namespace {
 
 const double kInf = std::numeric_limits<double>::infinity();
-const std::string kArm = MODEL_DIR "/simple_3dof_arm.urdf";
+const std::string kArm = lab::source_path("models/simple_3dof_arm.urdf");
 
 Eigen::VectorXd one(double x) { return Eigen::VectorXd::Constant(1, x); }
 SE3 at(double x, double y, double z) { return SE3(Eigen::Matrix3d::Identity(), {x, y, z}); }

@@ -6,6 +6,7 @@
 
 #include "tests/core/algorithm/random_tree.h"
 #include "tests/core/urdf/corpus.h"
+#include "tests/support/paths.h"
 
 namespace rbd::urdf {
 namespace {
@@ -102,7 +103,7 @@ void expect_same(const Model& a, const Model& b) {
 
 TEST(UrdfWrite, EveryAcceptedFileOfTheCorpus) {
   int written = 0;
-  for (const CorpusCase& c : read_corpus(CORPUS)) {
+  for (const CorpusCase& c : read_corpus(lab::source_path("tests/core/urdf/corpus.txt"))) {
     if (c.text.size() > 300000) continue;  // the long chains take seconds to compare
     const Loaded loaded = loadXML(c.text);
     if (!loaded.ok()) continue;
@@ -117,7 +118,7 @@ TEST(UrdfWrite, EveryAcceptedFileOfTheCorpus) {
 // added.
 TEST(UrdfWrite, ASecondTimeTheTextIsTheSame) {
   Model arm;
-  buildModel(MODEL_DIR "/simple_3dof_arm.urdf", arm);
+  buildModel(lab::source_path("models/simple_3dof_arm.urdf"), arm);
   const Model once = read_back(arm);
   expect_same(arm, once);
   EXPECT_EQ(once.nframes, arm.nframes);
@@ -214,7 +215,7 @@ TEST(UrdfWrite, FollowersFollow) {
 // An inertia that was changed afterwards belongs to no link any more: all of it is written at the joint.
 TEST(UrdfWrite, ChangedInertia) {
   Model model;
-  buildModel(MODEL_DIR "/simple_3dof_arm.urdf", model);
+  buildModel(lab::source_path("models/simple_3dof_arm.urdf"), model);
   model.setInertia(2, Random(3).inertia());
   const Model back = read_back(model);
   EXPECT_TRUE(model.inertias[2].isApprox(back.inertias[2], 1e-12));

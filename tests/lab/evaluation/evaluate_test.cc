@@ -11,6 +11,7 @@
 
 #include "procs/solo/direct.h"
 #include "tests/lab/evaluation/by_hand.h"
+#include "tests/support/paths.h"
 #include "tests/support/refusal.h"
 
 namespace lab {
@@ -196,7 +197,7 @@ TEST(Evaluate, TheToolMustExist) {
 // a metric that can be expected is in the metrics of a run, in the table of docs/experiments.md and on docs/metrics.md
 TEST(Evaluate, EveryMetricIsThereAndExplained) {
   const auto page = [](const char* name) {
-    std::ifstream in(std::string(LAB_SOURCE_DIR "/docs/") + name);
+    std::ifstream in(lab::source_path("docs/") + name);
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
   const std::string experiments = page("experiments.md"), formulas = page("metrics.md");

@@ -16,6 +16,7 @@
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/experiment/robot.h"
 #include "procs/solo/direct.h"
+#include "tests/support/paths.h"
 #include "wire/log/log_writer.h"
 #include "wire/protocol/convert.h"
 #include "wire/schema/codec.h"
@@ -66,8 +67,8 @@ class Folder : public testing::Test {
 
   /// Runs lab-experiment; its words go to out_.
   int call(const std::string& arguments) {
-    const int status =
-        std::system((std::string(LAB_EXPERIMENT) + " " + arguments + " > " + dir_ + "/out 2>&1").c_str());
+    const int status = std::system(
+        (lab::build_path("bin/lab-experiment") + " " + arguments + " > " + dir_ + "/out 2>&1").c_str());
     std::stringstream text;
     text << std::ifstream(dir_ + "/out").rdbuf();
     out_ = text.str();
@@ -78,7 +79,8 @@ class Folder : public testing::Test {
 };
 
 TEST_F(Folder, ARunComesBackFromItsLog) {
-  Experiment e = load_experiment(LAB_SOURCE_DIR "/experiments/arm3_cubic_pd.yaml", {"simulator.damping=0.1"});
+  Experiment e =
+      load_experiment(lab::source_path("experiments/arm3_cubic_pd.yaml"), {"simulator.damping=0.1"});
   e.robot.model = find_model(e);
   const Robot robot = load_robot(e);
   const lab::Run run = *solo::run_direct(e, robot.model);
@@ -109,7 +111,7 @@ TEST_F(Folder, ARunComesBackFromItsLog) {
 
 TEST_F(Folder, AVerdictThatFailsIsExitCodeOne) {
   const Experiment e =
-      load_experiment(LAB_SOURCE_DIR "/experiments/cubic_pd.yaml", {"expect.max_error.max=0.001"});
+      load_experiment(lab::source_path("experiments/cubic_pd.yaml"), {"expect.max_error.max=0.001"});
   const Robot robot = load_robot(e);
   write_run(e, robot, *solo::run_direct(e, robot.model));
   EXPECT_EQ(call("evaluate " + dir_), 1);
@@ -117,7 +119,7 @@ TEST_F(Folder, AVerdictThatFailsIsExitCodeOne) {
 }
 
 TEST_F(Folder, ALogWithoutEndIsARunThatFailed) {
-  const Experiment e = load_experiment(LAB_SOURCE_DIR "/experiments/cubic_pd.yaml");
+  const Experiment e = load_experiment(lab::source_path("experiments/cubic_pd.yaml"));
   const Robot robot = load_robot(e);
   lab::Run run = *solo::run_direct(e, robot.model);
   run.states.resize(100), run.references.resize(100);
@@ -128,7 +130,7 @@ TEST_F(Folder, ALogWithoutEndIsARunThatFailed) {
 }
 
 TEST_F(Folder, FaultsAreOneLineAndTheRightExitCode) {
-  const std::string yaml = LAB_SOURCE_DIR "/experiments/cubic_pd.yaml";
+  const std::string yaml = lab::source_path("experiments/cubic_pd.yaml");
   const auto one_line = [&] { return std::count(out_.begin(), out_.end(), '\n') == 1; };
   EXPECT_EQ(call("check " + yaml), 0) << out_;
   EXPECT_EQ(out_, yaml + ": ok (manipulator, nq 6, nv 6; 300 steps of 0.01 s)\n");
@@ -153,7 +155,7 @@ TEST_F(Folder, FaultsAreOneLineAndTheRightExitCode) {
 
 // a resolved experiment stands alone: it runs the same from another folder
 TEST_F(Folder, ResolvedExperimentRunsTheSameElsewhere) {
-  const std::string yaml = LAB_SOURCE_DIR "/experiments/arm3_sinusoid_ct.yaml",
+  const std::string yaml = lab::source_path("experiments/arm3_sinusoid_ct.yaml"),
                     resolved = dir_ + "/experiment.yaml";
   ASSERT_EQ(call("resolve " + yaml + " --set controller.kp=90 -o " + resolved), 0) << out_;
   const Experiment before = load_experiment(yaml, {"controller.kp=90"}), after = load_experiment(resolved);

@@ -13,6 +13,7 @@
 #include "procs/logger/log_files.h"
 #include "procs/solo/direct.h"
 #include "procs/solo/solo.h"
+#include "tests/support/paths.h"
 #include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
 #include "wire/schema/codec.h"
@@ -28,7 +29,7 @@ class Truth : public testing::Test {
     char name[] = "/tmp/lab-truth-test-XXXXXX";
     dir_ = mkdtemp(name);
     experiment_ = load_experiment(
-        LAB_SOURCE_DIR "/experiments/noise_and_delay.yaml",
+        lab::source_path("experiments/noise_and_delay.yaml"),
         {"simulator.duration=0.4",
          "simulator.pushes=[{time: 0.1, duration: 0.1, frame: effector_body, force: [20, 0, 5]}]",
          "simulator.payloads=[{time: 0.2, frame: effector_body, mass: 1}]", "controller.every=3",

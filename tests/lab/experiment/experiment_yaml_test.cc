@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "lab/experiment/keys.h"
+#include "tests/support/paths.h"
 #include "tests/support/refusal.h"
 
 namespace lab {
@@ -328,7 +329,7 @@ TEST(ExperimentYaml, TheLastBitOfAGainIsInTheText) {
 
 TEST(ExperimentYaml, DocumentListsEveryKey) {
   std::stringstream page;
-  page << std::ifstream(LAB_SOURCE_DIR "/docs/experiments.md").rdbuf();
+  page << std::ifstream(lab::source_path("docs/experiments.md")).rdbuf();
   EXPECT_NE(page.str().find(key_table()), std::string::npos)
       << "docs/experiments.md is behind lab/experiment/keys.h; its table should be\n"
       << key_table();

@@ -19,15 +19,16 @@
 #include "procs/controller/controller.h"
 #include "procs/planner/planner.h"
 #include "procs/solo/direct.h"
+#include "tests/support/paths.h"
 
 namespace lab {
 namespace {
 
-const std::string kFolder = LAB_SOURCE_DIR "/experiments/";
+const std::string kFolder = lab::source_path("experiments/");
 
 std::string page() {
   std::stringstream text;
-  text << std::ifstream(LAB_SOURCE_DIR "/docs/experiments.md").rdbuf();
+  text << std::ifstream(lab::source_path("docs/experiments.md")).rdbuf();
   return text.str();
 }
 

@@ -10,13 +10,14 @@
 #include "lab/check/check.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/tool/procfile.h"
+#include "tests/support/paths.h"
 #include "tests/support/refusal.h"
 
 namespace lab {
 namespace {
 
 Experiment arm3(const std::vector<std::string>& set = {}) {
-  return load_experiment(LAB_SOURCE_DIR "/experiments/arm3_cubic_pd.yaml", set);
+  return load_experiment(lab::source_path("experiments/arm3_cubic_pd.yaml"), set);
 }
 
 std::string refusal(const std::vector<std::string>& set) {
@@ -34,7 +35,7 @@ TEST(Robot, TextOfRunGivesTheSameRobotAsTheFile) {
   EXPECT_EQ(from_text.model.nv, 3);
   EXPECT_EQ(from_text.model.armature, from_file.model.armature);
   EXPECT_EQ(from_text.geometry.visual.size(), from_file.geometry.visual.size());
-  EXPECT_EQ(from_file.file, LAB_SOURCE_DIR "/models/simple_3dof_arm.urdf");
+  EXPECT_EQ(from_file.file, lab::source_path("models/simple_3dof_arm.urdf"));
 }
 
 TEST(Robot, HashKnowsWhatChangesTheModelAndNothingElse) {
@@ -102,7 +103,7 @@ TEST(Robot, RefusalsNameTheKeyAndTheCure) {
                 .find("there is no ground yet"),
             std::string::npos);
   // a file that is no robot: the loader's own line
-  EXPECT_NE(refusal({"robot.model=" LAB_SOURCE_DIR "/CMakeLists.txt"}).find("CMakeLists.txt:"),
+  EXPECT_NE(refusal({"robot.model=" + lab::source_path("CMakeLists.txt")}).find("CMakeLists.txt:"),
             std::string::npos);
 }
 

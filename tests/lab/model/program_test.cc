@@ -8,11 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/paths.h"
+
 namespace {
 
 using nlohmann::json;
 
-constexpr const char* kArm = LAB_SOURCE_DIR "/models/simple_3dof_arm.urdf";
+const std::string kArm = lab::source_path("models/simple_3dof_arm.urdf");
 
 struct Result {
   int code = -1;
@@ -39,8 +41,8 @@ class Program : public testing::Test {
   }
   Result run(const std::string& arguments, const std::string& input = "{}") {
     const std::string in = file("in", input), out = folder_ / "out", err = folder_ / "err";
-    const int status =
-        std::system((LAB_MODEL " " + arguments + " <" + in + " >" + out + " 2>" + err).c_str());
+    const int status = std::system(
+        (lab::build_path("bin/lab-model") + " " + arguments + " <" + in + " >" + out + " 2>" + err).c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
   }
 

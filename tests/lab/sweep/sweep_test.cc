@@ -17,6 +17,7 @@
 #include "lab/sweep/page.h"
 #include "lab/sweep/table.h"
 #include "lab/sweep/workbench.h"
+#include "tests/support/paths.h"
 
 namespace lab::sweep {
 namespace {
@@ -28,7 +29,7 @@ class SweepFile : public testing::Test {
   SweepFile() {
     char name[] = "/tmp/lab-sweep-test-XXXXXX";
     dir_ = mkdtemp(name);
-    fs::copy(LAB_SOURCE_DIR "/experiments/cubic_pd.yaml", dir_ + "/cubic_pd.yaml");
+    fs::copy(lab::source_path("experiments/cubic_pd.yaml"), dir_ + "/cubic_pd.yaml");
   }
   ~SweepFile() override { fs::remove_all(dir_); }
 

@@ -12,6 +12,7 @@
 #include "lab/experiment/experiment_yaml.h"
 #include "procs/logger/log_files.h"
 #include "procs/solo/solo.h"
+#include "tests/support/paths.h"
 
 namespace lab {
 namespace {
@@ -31,7 +32,7 @@ class Direct : public testing::TestWithParam<Case> {};
 
 TEST_P(Direct, GivesWhatTheLogOfLabSoloHolds) {
   const Case& c = GetParam();
-  const Experiment e = load_experiment(std::string(LAB_SOURCE_DIR "/experiments/") + c.file, c.overrides);
+  const Experiment e = load_experiment(lab::source_path("experiments/") + c.file, c.overrides);
   const Robot robot = load_robot(e);
   const std::optional<lab::Run> direct = solo::run_direct(e, robot.model);
   ASSERT_TRUE(direct.has_value());
@@ -97,7 +98,8 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return "Case" + std::to_string(info.index); });
 
 TEST(DirectLoop, CanBeStopped) {
-  const Experiment e = load_experiment(LAB_SOURCE_DIR "/experiments/live.yaml", {"simulator.clock=lockstep"});
+  const Experiment e =
+      load_experiment(lab::source_path("experiments/live.yaml"), {"simulator.clock=lockstep"});
   int asked = 0;
   EXPECT_FALSE(solo::run_direct(e, load_robot(e).model, [&] { return ++asked < 3; }).has_value());
   EXPECT_EQ(asked, 3);

@@ -14,6 +14,7 @@
 #include <lab/run_t.hpp>
 #include <random>
 
+#include "tests/support/paths.h"
 #include "wire/bus/bus.h"
 #include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
@@ -72,8 +73,8 @@ class Child {
 
 const std::string kUrl = "udpm://239.255.76.67:7690?ttl=0";
 std::string scratch(const std::string& name) {
-  std::filesystem::create_directories(LAB_SCRATCH_DIR);
-  return LAB_SCRATCH_DIR "/" + name;
+  std::filesystem::create_directories(lab::build_path("tests/wire/tools_net_test"));
+  return lab::build_path("tests/wire/tools_net_test/" + name);
 }
 bool has_program(const std::string& name) {
   return std::system(("command -v " + name + " >/dev/null").c_str()) == 0;
@@ -159,10 +160,10 @@ TEST_P(StockTools, LogplayerPlaysOurLog) {
 }
 
 TEST_P(StockTools, PythonEchoesAllSizes) {
-  const std::string python = LAB_PYENV "/bin/python3";
+  const std::string python = lab::build_path("pyenv/bin/python3");
   if (!std::filesystem::exists(python)) GTEST_SKIP() << "needs " << python << " (tests/conformance/pyenv.sh)";
   Child echo(
-      {python, LAB_SOURCE_DIR "/tests/conformance/python_lcm.py", "echo", kUrl + "&recv_buf_size=4194304"});
+      {python, lab::source_path("tests/conformance/python_lcm.py"), "echo", kUrl + "&recv_buf_size=4194304"});
   const auto deadline = Clock::now() + std::chrono::seconds(30);
   const auto ask = [&](const Bytes& data, int64_t wait_us) {
     bus_->publish("PING", data);
@@ -187,11 +188,12 @@ INSTANTIATE_TEST_SUITE_P(Backends, StockTools, testing::Values("own", "liblcm"),
                          [](const auto& info) { return info.param; });
 
 TEST(PythonLog, DecodesOurMessagesAndEncodesTheSameBytes) {
-  const std::string python = LAB_PYENV "/bin/python3";
+  const std::string python = lab::build_path("pyenv/bin/python3");
   if (!std::filesystem::exists(python)) GTEST_SKIP() << "needs " << python << " (tests/conformance/pyenv.sh)";
   const std::string types = scratch("python_types"), file = scratch("python.lcm");
   std::filesystem::create_directories(types);
-  ASSERT_EQ(std::system(("lcm-gen -p --ppath " + types + " " LAB_SOURCE_DIR "/lcmtypes/*.lcm").c_str()), 0);
+  ASSERT_EQ(std::system(("lcm-gen -p --ppath " + types + " " + lab::source_path("lcmtypes/*.lcm")).c_str()),
+            0);
   {
     LogWriter writer(file);
     run_t run{};
@@ -221,7 +223,7 @@ TEST(PythonLog, DecodesOurMessagesAndEncodesTheSameBytes) {
   }
   const std::string out = scratch("python.out");
   const std::string command =
-      python + " " LAB_SOURCE_DIR "/tests/conformance/python_lcm.py log " + file + " " + types;
+      python + " " + lab::source_path("tests/conformance/python_lcm.py") + " log " + file + " " + types;
   EXPECT_EQ(std::system((command + " > " + out).c_str()), 0) << command;
   FILE* f = std::fopen(out.c_str(), "r");
   int count = 0;

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <random>
 
+#include "tests/support/paths.h"
 #include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
 
@@ -76,7 +77,7 @@ class LogFiles : public testing::Test {
   }
 
   std::mt19937 rng_{3};
-  std::string folder_ = LAB_SCRATCH_DIR;
+  std::string folder_ = lab::build_path("tests/wire/log_test");
   std::vector<Entry> entries_;
   std::vector<uint64_t> offsets_;
 };

@@ -15,6 +15,7 @@
 #include <random>
 #include <wiretest/torture_t.hpp>
 
+#include "tests/support/paths.h"
 #include "wire/schema/codec.h"
 #include "wire/schema/guard.h"
 #include "wire/schema/schema.h"
@@ -49,11 +50,11 @@ Bytes from_hex(const std::string& hex) {
 }
 
 TEST(SchemaAgainstLcmGen, RandomTypeTrees) {
-  const std::string folder = std::string(LAB_SCRATCH_DIR) + "/random_types";
+  const std::string folder = lab::build_path("tests/wire/random_types");
   std::filesystem::remove_all(folder);
   if (std::system("python3 -c 'import json, struct' 2>/dev/null") != 0) GTEST_SKIP() << "needs python3";
   const std::string command =
-      "python3 " LAB_SOURCE_DIR "/tests/conformance/random_types.py " + folder + " 20261122 200";
+      "python3 " + lab::source_path("tests/conformance/random_types.py") + " " + folder + " 20261122 200";
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
 
   std::ifstream in(folder + "/cases.jsonl");
@@ -117,7 +118,7 @@ wiretest::torture_t torture() {
 
 const Schema& torture_schema() {
   static const Schema schema = [] {
-    std::ifstream in(LAB_SOURCE_DIR "/tests/wire/types/torture.lcm");
+    std::ifstream in(lab::source_path("tests/wire/types/torture.lcm"));
     std::ostringstream text;
     text << in.rdbuf();
     return Schema(std::vector<Source>{{"torture.lcm", text.str()}});

@@ -1,0 +1,42 @@
+# Parsing the headers of others is half of a compile. It happens once for each set of flags: the empty libraries here hold the
+# precompiled headers, all other targets reuse them. Headers of our own stay out, because g++ does not warn about what stands
+# in a precompiled header.
+#
+# lab_precompiled(FOR target..): FOR is library (full optimisation), program (a command line and what only such use: -O1 is
+# enough for CLI11's templates, and they compute nothing) or test.
+
+# ccache needs -fpch-preprocess to see what a precompiled header was made from. clang (preset fuzz) goes without them.
+# -Wno-stringop-overflow: the same false warnings as -Wno-restrict (GCC bug 105651); g++ 12 hides them in system headers only
+# as long as these are not precompiled.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess> -Wno-stringop-overflow)
+else()
+  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+endif()
+
+find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
+set(COMMON_HEADERS <algorithm> <cmath> <functional> <map> <memory> <optional> <span> <stdexcept> <string> <vector>
+                   <Eigen/Core> <Eigen/Geometry>)
+set(PROGRAM_HEADERS <CLI/CLI.hpp> <fmt/format.h>)
+set(TEST_HEADERS <gtest/gtest.h>)
+# -fPIC: programs would be compiled with -fPIE, and could not share with libraries
+set(PROGRAM_FLAGS $<$<CONFIG:Release>:-O1> -fPIC)
+set(TEST_FLAGS ${PROGRAM_FLAGS})
+
+file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/empty.cc CONTENT "")
+foreach(kind LIBRARY PROGRAM TEST)
+  string(TOLOWER ${kind}_headers name)
+  add_library(${name} OBJECT EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/empty.cc)
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen)
+  target_compile_options(${name} PRIVATE ${${kind}_FLAGS})
+  target_precompile_headers(${name} PRIVATE ${COMMON_HEADERS} ${${kind}_HEADERS})
+endforeach()
+
+function(lab_precompiled FOR)
+  string(TOUPPER ${FOR} kind)
+  foreach(target ${ARGN})
+    target_compile_options(${target} PRIVATE ${${kind}_FLAGS})
+    target_precompile_headers(${target} REUSE_FROM ${FOR}_headers)
+  endforeach()
+endfunction()
