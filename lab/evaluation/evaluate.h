@@ -1,3 +1,4 @@
+// Evaluates a run from its logged steps alone: metrics.json.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -10,7 +11,6 @@
 #include "lab/experiment/experiment.h"
 #include "lab/signals/signals.h"
 
-/// What a run was worth, from its logged steps alone: metrics.json.
 namespace lab {
 
 struct Run {
@@ -20,9 +20,9 @@ struct Run {
   std::vector<RobotState> states;     ///< by step, step 0 first: the true ones
   std::vector<Reference> references;  ///< for the same steps
   // J, one entry a state, empty = none (procs/simulator/replay.h)
-  std::vector<double> stored;         ///< energy beside the model's own
-  std::vector<double> external_work;  ///< over the step that led here
-  int64_t last_step = 0;              ///< that the experiment wanted
+  std::vector<double> stored_energy;  ///< beside the model's own
+  std::vector<double> external_work;  ///< of disturbances, over the step that led to the state
+  int64_t last_step = 0;              ///< that the experiment asks for
   bool aborted = false;
   std::string reason;  ///< of the abort
   double band = 0.01;  ///< rad, m: within this error a joint counts as settled

@@ -4,10 +4,13 @@
 
 #include <cmath>
 
+#include "lab/evaluation/running_stats.h"
 #include "lab/evaluation/tracking.h"
 
 namespace lab {
 namespace {
+
+using nlohmann::json;
 
 constexpr double kStill = 1e-9;  // rad/s, m/s: polynomials end at rest up to rounding
 
@@ -33,10 +36,11 @@ std::vector<bool> resting(const Run& run) {
   return out;
 }
 
-Reach::Joint judge(const Run& run, const Reach& reach, double way, const std::vector<double>& beyond) {
-  // beyond: by step from arrival to end, how far the joint is past the target (q - target)
+/// `beyond`: q - target by step, from arrival to end.
+Reach::Joint joint_of_reach(const Run& run, const Reach& reach, double displacement,
+                            const std::vector<double>& beyond) {
   Reach::Joint out;
-  out.way = way;
+  out.displacement = displacement;
   size_t inside_since = beyond.size();  // of the last stretch
   for (size_t i = beyond.size(); i-- > 0 && std::abs(beyond[i]) <= run.band;) inside_since = i;
   out.settling = inside_since == beyond.size()
@@ -44,9 +48,9 @@ Reach::Joint judge(const Run& run, const Reach& reach, double way, const std::ve
                      : static_cast<double>(run.states[reach.arrival + inside_since].step -
                                            run.states[reach.arrival].step) *
                            run.dt;
-  if (std::abs(way) > run.band) {
-    for (double b : beyond) out.overshoot = std::max(out.overshoot, way > 0 ? b : -b);
-    out.overshoot_share = out.overshoot / std::abs(way);
+  if (std::abs(displacement) > run.band) {
+    for (double b : beyond) out.overshoot = std::max(out.overshoot, displacement > 0 ? b : -b);
+    out.overshoot_share = out.overshoot / std::abs(displacement);
   } else {
     out.overshoot = out.overshoot_share = NAN;
   }
@@ -57,46 +61,19 @@ Reach::Joint judge(const Run& run, const Reach& reach, double way, const std::ve
   return out;
 }
 
-}  // namespace
+/// Over several reaches. NaN: some reach has no value, or there are none.
+struct ReachStats {
+  double settling_max, settling_mean, overshoot_max, overshoot_share_max, steady_error_max;
+};
 
-std::vector<Reach> reaches(const Run& run) {
-  std::vector<Reach> all;
-  if (run.states.empty()) return all;
-  const std::vector<JointFigures> joints = joints_of(run.model);
-  const std::vector<bool> rests = resting(run);
-  Eigen::VectorXd way(run.model.nv), e(run.model.nv);
-  size_t from = 0;  // the last step at the place before
-  for (size_t k = 1; k < rests.size(); ++k) {
-    if (!rests[k]) continue;
-    rbd::difference(run.model, run.references[from].q, run.references[k].q, way);
-    if (largest(way) <= kStill) {  // still there, or back again without a rest between
-      from = k;
-      continue;
-    }
-    Reach reach{.begin = from, .arrival = k, .end = k, .joints = {}};
-    std::vector<std::vector<double>> beyond(joints.size());
-    const Eigen::VectorXd& target = run.references[k].q;
-    for (; reach.end < rests.size() && rests[reach.end]; ++reach.end) {
-      rbd::difference(run.model, target, run.references[reach.end].q, e);
-      if (largest(e) > kStill) break;  // it jumped: the next reach
-      rbd::difference(run.model, target, run.states[reach.end].q, e);
-      for (size_t j = 0; j < joints.size(); ++j) beyond[j].push_back(e[joints[j].iv]);
-    }
-    from = k = --reach.end;
-    for (size_t j = 0; j < joints.size(); ++j)
-      reach.joints.push_back(judge(run, reach, way[joints[j].iv], beyond[j]));
-    all.push_back(std::move(reach));
-  }
-  return all;
-}
-
-ReachFigures over_reaches(const std::vector<Reach>& all, int joint) {
-  ReachFigures out{0, 0, NAN, NAN, 0};
+/// Of one joint, or, with -1, of the worst joint of each reach.
+ReachStats stats_of(const std::vector<Reach>& all, int joint) {
+  ReachStats out{0, 0, NAN, NAN, 0};
   const auto larger = [](double a, double b) {
-    return std::isnan(a) || b > a ? b : a;
-  };  // a number, if there is one
+    return std::isnan(a) || b > a ? b : a;  // a number, if there is one
+  };
   for (const Reach& reach : all) {
-    double slowest = 0;  // NaN: one does not settle
+    double slowest = 0;  // NaN: a joint does not settle
     for (size_t j = 0; j < reach.joints.size(); ++j) {
       if (joint >= 0 && j != static_cast<size_t>(joint)) continue;
       const Reach::Joint& one = reach.joints[j];
@@ -111,6 +88,77 @@ ReachFigures over_reaches(const std::vector<Reach>& all, int joint) {
   }
   if (all.empty()) out.settling_max = out.settling_mean = out.steady_error_max = NAN;
   return out;
+}
+
+void put_reach_stats(json& out, const std::vector<Reach>& all, int joint) {
+  const ReachStats stats = stats_of(all, joint);
+  put(out, "reach_settling_max", stats.settling_max);
+  put(out, "reach_settling_mean", stats.settling_mean);
+  put(out, "overshoot_max", stats.overshoot_max);
+  put(out, "overshoot_share_max", stats.overshoot_share_max);
+  put(out, "steady_error_max", stats.steady_error_max);
+}
+
+json reach_json(const Run& run, const Reach& reach, const std::vector<TrackedJoint>& joints) {
+  const auto time = [&](size_t k) { return static_cast<double>(run.states[k].step) * run.dt; };
+  json out;
+  put_reach_stats(out, {reach}, -1);
+  out.erase("reach_settling_mean");
+  out["begin"] = time(reach.begin);
+  out["arrival"] = time(reach.arrival);
+  out["end"] = time(reach.end);
+  for (size_t j = 0; j < joints.size(); ++j) {
+    json one{{"name", joints[j].name}};
+    put(one, "way", reach.joints[j].displacement);
+    put(one, "settling", reach.joints[j].settling);
+    put(one, "overshoot", reach.joints[j].overshoot);
+    put(one, "overshoot_share", reach.joints[j].overshoot_share);
+    put(one, "steady_error", reach.joints[j].steady_error);
+    out["joints"].push_back(one);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Reach> reaches(const Run& run) {
+  std::vector<Reach> all;
+  if (run.states.empty()) return all;
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
+  const std::vector<bool> rests = resting(run);
+  Eigen::VectorXd displacement(run.model.nv), e(run.model.nv);
+  size_t from = 0;  // the last step at the place before
+  for (size_t k = 1; k < rests.size(); ++k) {
+    if (!rests[k]) continue;
+    rbd::difference(run.model, run.references[from].q, run.references[k].q, displacement);
+    if (largest(displacement) <= kStill) {  // still there, or back again without a rest between
+      from = k;
+      continue;
+    }
+    Reach reach{.begin = from, .arrival = k, .end = k, .joints = {}};
+    std::vector<std::vector<double>> beyond(joints.size());
+    const Eigen::VectorXd& target = run.references[k].q;
+    for (; reach.end < rests.size() && rests[reach.end]; ++reach.end) {
+      rbd::difference(run.model, target, run.references[reach.end].q, e);
+      if (largest(e) > kStill) break;  // it jumped: the next reach
+      rbd::difference(run.model, target, run.states[reach.end].q, e);
+      for (size_t j = 0; j < joints.size(); ++j) beyond[j].push_back(e[joints[j].iv]);
+    }
+    from = k = --reach.end;
+    for (size_t j = 0; j < joints.size(); ++j)
+      reach.joints.push_back(joint_of_reach(run, reach, displacement[joints[j].iv], beyond[j]));
+    all.push_back(std::move(reach));
+  }
+  return all;
+}
+
+void add_reach_metrics(json& out, const Run& run) {
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
+  const std::vector<Reach> all = reaches(run);
+  out["reach_count"] = all.size();
+  put_reach_stats(out, all, -1);
+  for (const Reach& reach : all) out["reaches"].push_back(reach_json(run, reach, joints));
+  for (size_t j = 0; j < joints.size(); ++j) put_reach_stats(out["joints"][j], all, static_cast<int>(j));
 }
 
 }  // namespace lab

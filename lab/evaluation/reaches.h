@@ -1,10 +1,11 @@
+// Reaches: each time the reference comes to rest at a new place, and how the robot gets there.
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "lab/evaluation/evaluate.h"
 
-/// Reaches: each time the reference came to rest at a new place, and how the robot got there.
 namespace lab {
 
 struct Reach {
@@ -13,11 +14,11 @@ struct Reach {
   size_t end = 0;      ///< of the last before it moves again, or of the run
 
   struct Joint {
-    double way = 0;       ///< rad, m: from the place before to the target
+    double displacement = 0;  ///< rad, m: from the place before to the target
     double settling = 0;  ///< s from arrival until the joint stays in the band up to the end; NaN if never
     double overshoot =
-        0;  ///< rad, m: farthest beyond the target from arrival on; NaN if the way is no longer than the band
-    double overshoot_share = 0;  ///< of the way
+        0;  ///< rad, m: farthest beyond the target from arrival on; NaN if |displacement| <= band
+    double overshoot_share = 0;  ///< of the displacement
     double steady_error = 0;     ///< rad, m: |mean error| over the last tenth of the rest
   };
   std::vector<Joint> joints;  ///< as joints_of(model)
@@ -27,11 +28,7 @@ struct Reach {
 /// 0 and q_ref is what it was a step before; at the last step v_ref = 0 alone counts.
 std::vector<Reach> reaches(const Run&);
 
-/// Figures over several reaches. NaN: some reach has no value, or there are none.
-struct ReachFigures {
-  double settling_max, settling_mean, overshoot_max, overshoot_share_max, steady_error_max;
-};
-/// Of one joint, or, with -1, of the worst joint of each reach.
-ReachFigures over_reaches(const std::vector<Reach>&, int joint);
+/// Puts the metrics of reaches into `out`, per joint into out["joints"], and one by one into out["reaches"].
+void add_reach_metrics(nlohmann::json& out, const Run&);
 
 }  // namespace lab

@@ -98,7 +98,7 @@ LoggedRun read_run(const std::string& log) {
     }
   }
   simulator::ExternalEnergy external = simulator::external_energy(plant, out.run.states, inputs);
-  out.run.stored = std::move(external.stored);
+  out.run.stored_energy = std::move(external.stored);
   out.run.external_work = std::move(external.work);
 
   // a step counts when both its state and its reference are there

@@ -4,59 +4,130 @@
 
 #include <limits>
 
+#include "lab/evaluation/running_stats.h"
+
 namespace lab {
 namespace {
 
-/// |value| as a share of the limit in its direction; 0 where nobody said one.
+using nlohmann::json;
+
+struct JointStats {
+  RunningStats error, effort, speed;
+  double effort_share = 0, speed_share = 0;                 ///< of the limit; 0 where there is none
+  double margin = std::numeric_limits<double>::infinity();  ///< to the nearer position limit
+  int64_t settled_since = -1;  ///< step from which the error stays in the band; -1 = it does not
+
+  double settling_time(const Run& run) const {
+    return settled_since < 0 ? NAN : static_cast<double>(settled_since) * run.dt;
+  }
+};
+
+struct Tracking {
+  std::vector<JointStats> joints;
+  double handbook_error = 0;  ///< mean over steps of norm(e) / nq
+};
+
+/// |value| as a share of the limit in its direction; 0 without a limit.
 double share(double value, double lower, double upper) {
   const double limit = value < 0 ? -lower : upper;
   return limit > 0 && std::isfinite(limit) ? std::abs(value) / limit : 0;
 }
 
+/// The later of two times, NaN ("never") if one of them is.
+double later(double a, double b) { return std::isnan(a) || std::isnan(b) ? NAN : std::max(a, b); }
+
+void add_step(JointStats& stats, const TrackedJoint& joint, const Run& run, size_t k, double error) {
+  const rbd::Model& model = run.model;
+  const RobotState& state = run.states[k];
+  const double v = state.v[joint.iv], q = state.q[joint.iq];
+  stats.error.add(error);
+  if (std::abs(error) > run.band)
+    stats.settled_since = -1;
+  else if (stats.settled_since < 0)
+    stats.settled_since = state.step;
+  stats.speed.add(v);
+  stats.speed_share = std::max(
+      stats.speed_share, share(v, model.lowerVelocityLimit[joint.iv], model.upperVelocityLimit[joint.iv]));
+  stats.margin = std::min(
+      {stats.margin, q - model.lowerPositionLimit[joint.iq], model.upperPositionLimit[joint.iq] - q});
+  if (k == 0) return;  // no effort leads to step 0
+  const double tau = state.tau[joint.iv];
+  stats.effort.add(tau);
+  stats.effort_share = std::max(
+      stats.effort_share, share(tau, model.lowerEffortLimit[joint.iv], model.upperEffortLimit[joint.iv]));
+}
+
+Tracking track(const Run& run, const std::vector<TrackedJoint>& joints) {
+  Tracking out;
+  out.joints.resize(joints.size());
+  Eigen::VectorXd e(run.model.nv);
+  for (size_t k = 0; k < run.states.size(); ++k) {
+    rbd::difference(run.model, run.states[k].q, run.references[k].q, e);
+    double squares = 0;
+    for (size_t j = 0; j < joints.size(); ++j) {
+      const double error = e[joints[j].iv];
+      squares += error * error;
+      add_step(out.joints[j], joints[j], run, k, error);
+    }
+    out.handbook_error += std::sqrt(squares) / run.model.nq;
+  }
+  out.handbook_error /= static_cast<double>(run.states.size());
+  return out;
+}
+
+void put_joint(json& out, const Run& run, const JointStats& joint) {
+  put(out, "max_error", joint.error.max);
+  put(out, "mean_error", joint.error.mean());
+  put(out, "rms_error", joint.error.rms());
+  put(out, "final_error", joint.error.last);
+  put(out, "settling_time", joint.settling_time(run));
+  put(out, "max_effort", joint.effort.max);
+  put(out, "rms_effort", joint.effort.count ? joint.effort.rms() : 0);
+  put(out, "max_effort_share", joint.effort_share);
+  put(out, "max_speed", joint.speed.max);
+  put(out, "max_speed_share", joint.speed_share);
+  put(out, "min_position_margin", joint.margin);
+}
+
+/// The same over all joints.
+JointStats merged(const std::vector<JointStats>& joints) {
+  JointStats all;
+  for (const JointStats& joint : joints) {
+    all.error.add(joint.error);
+    all.error.last = std::max(all.error.last, joint.error.last);
+    all.effort.add(joint.effort);
+    all.effort_share = std::max(all.effort_share, joint.effort_share);
+    all.speed.add(joint.speed);
+    all.speed_share = std::max(all.speed_share, joint.speed_share);
+    all.margin = std::min(all.margin, joint.margin);
+  }
+  return all;
+}
+
 }  // namespace
 
-std::vector<JointFigures> joints_of(const rbd::Model& model) {
-  std::vector<JointFigures> joints;
-  for (int j = 1; j < model.njoints; ++j) {
-    if (model.joints[j].nv() != 1) continue;
-    JointFigures& joint = joints.emplace_back();
-    joint.name = model.names[j], joint.iq = model.joints[j].idx_q(), joint.iv = model.joints[j].idx_v();
-    joint.margin = std::numeric_limits<double>::infinity();
-  }
+std::vector<TrackedJoint> joints_of(const rbd::Model& model) {
+  std::vector<TrackedJoint> joints;
+  for (int j = 1; j < model.njoints; ++j)
+    if (model.joints[j].nv() == 1)
+      joints.push_back({model.names[j], model.joints[j].idx_q(), model.joints[j].idx_v()});
   return joints;
 }
 
-Tracking track(const Run& run) {
-  const rbd::Model& model = run.model;
-  Tracking out{joints_of(model), 0};
-  Eigen::VectorXd e(model.nv);
-  for (size_t k = 0; k < run.states.size(); ++k) {
-    const RobotState& state = run.states[k];
-    rbd::difference(model, state.q, run.references[k].q, e);
-    double squares = 0;
-    for (JointFigures& joint : out.joints) {
-      const double error = e[joint.iv], v = state.v[joint.iv], q = state.q[joint.iq];
-      joint.error.add(error);
-      squares += error * error;
-      if (std::abs(error) > run.band)
-        joint.settled_since = -1;
-      else if (joint.settled_since < 0)
-        joint.settled_since = state.step;
-      joint.speed.add(v);
-      joint.speed_share = std::max(joint.speed_share, share(v, model.lowerVelocityLimit[joint.iv],
-                                                            model.upperVelocityLimit[joint.iv]));
-      joint.margin = std::min(
-          {joint.margin, q - model.lowerPositionLimit[joint.iq], model.upperPositionLimit[joint.iq] - q});
-      if (k == 0) continue;  // nothing acted before step 0
-      const double tau = state.tau[joint.iv];
-      joint.effort.add(tau);
-      joint.effort_share = std::max(
-          joint.effort_share, share(tau, model.lowerEffortLimit[joint.iv], model.upperEffortLimit[joint.iv]));
-    }
-    out.handbook += std::sqrt(squares) / model.nq;
+void add_tracking_metrics(json& out, const Run& run) {
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
+  const Tracking tracking = track(run, joints);
+  put_joint(out, run, merged(tracking.joints));
+  double settling = 0;
+  for (size_t j = 0; j < joints.size(); ++j) {
+    settling = later(settling, tracking.joints[j].settling_time(run));
+    put_joint(out["joints"][j], run, tracking.joints[j]);
   }
-  out.handbook /= static_cast<double>(run.states.size());
-  return out;
+  put(out, "settling_time", settling);
+  put(out, "handbook_error", tracking.handbook_error);
+  out["handbook_grade"] = tracking.handbook_error < 0.01   ? "excellent"
+                          : tracking.handbook_error < 0.05 ? "good"
+                                                           : "needs_tuning";
 }
 
 }  // namespace lab

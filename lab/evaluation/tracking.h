@@ -1,30 +1,23 @@
+// How well each joint follows its reference, and how near it comes to its limits.
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "lab/evaluation/evaluate.h"
-#include "lab/evaluation/figures.h"
 
-/// How well each joint followed its reference, and how near it came to its limits.
 namespace lab {
 
-struct JointFigures {
+/// A joint with one degree of freedom, and where its numbers are in q and v.
+struct TrackedJoint {
   std::string name;
-  int iq = 0, iv = 0;  ///< where it is in q and v
-  Figures error, effort, speed;
-  double effort_share = 0, speed_share = 0;  ///< of the limit; 0 where there is none
-  double margin = 0;                         ///< from the nearer position limit; infinite where there is none
-  int64_t settled_since = -1;  ///< step from which the error stayed in the band; -1 = it did not
+  int iq = 0, iv = 0;
 };
 
-struct Tracking {
-  std::vector<JointFigures> joints;  ///< those with one degree of freedom, in model order
-  double handbook = 0;               ///< mean over steps of norm(e) / nq
-};
+/// The joints that have errors, in model order. A floating base and joints that mimic others have none.
+std::vector<TrackedJoint> joints_of(const rbd::Model&);
 
-/// The joints that have errors: one degree of freedom; a floating base and joints that follow others have none.
-std::vector<JointFigures> joints_of(const rbd::Model&);
-
-Tracking track(const Run&);
+/// Puts the metrics of errors, efforts, speeds and margins into `out`, and per joint into out["joints"].
+void add_tracking_metrics(nlohmann::json& out, const Run&);
 
 }  // namespace lab

@@ -30,7 +30,7 @@ std::vector<std::string> names_of(const std::vector<Folder>& runs) {
 void find_joints(const std::vector<Folder>& runs, Comparison& out) {
   for (const Folder& run : runs) {
     std::vector<std::string> own;
-    for (const JointFigures& joint : joints_of(run.logged->run.model)) own.push_back(joint.name);
+    for (const TrackedJoint& joint : joints_of(run.logged->run.model)) own.push_back(joint.name);
     if (&run == &runs.front()) {
       out.joints = own;
       continue;

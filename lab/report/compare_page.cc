@@ -36,7 +36,7 @@ Chart overlaid(const Comparison& all, const std::vector<Folder>& runs, const std
 
 /// By step: root of the sum of the squared errors of these joints.
 std::vector<double> norm(const Run& run, const std::vector<std::string>& names) {
-  const std::vector<JointFigures> joints = joints_of(run.model);
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
   const std::vector<std::vector<double>> e = errors(run);
   std::vector<double> out(run.states.size());
   for (size_t k = 0; k < out.size(); ++k) {
@@ -48,7 +48,7 @@ std::vector<double> norm(const Run& run, const std::vector<std::string>& names) 
 }
 
 std::vector<double> error_of(const Run& run, const std::string& name) {
-  const std::vector<JointFigures> joints = joints_of(run.model);
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
   for (size_t j = 0; j < joints.size(); ++j)
     if (joints[j].name == name) return errors(run)[j];
   return {};
@@ -74,7 +74,7 @@ Gallery tools(const Comparison& all, const std::vector<Folder>& runs) {
   Chart error =
       overlaid(all, runs, "tool error over time", 2, [](const Run& run) { return tool_path(run).error; });
   Chart turn =
-      overlaid(all, runs, "tool angle over time", 2, [](const Run& run) { return tool_path(run).turn; });
+      overlaid(all, runs, "tool angle over time", 2, [](const Run& run) { return tool_path(run).angle; });
   for (auto& [chart, caption, unit] : {std::tuple(&error, "Tool: distance from the reference", "m"),
                                        {&turn, "Tool: angle from the reference", "rad"}}) {
     if (chart->curves.empty()) continue;

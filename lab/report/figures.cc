@@ -56,7 +56,7 @@ std::vector<double> times(const Run& run) {
 }
 
 std::vector<std::vector<double>> errors(const Run& run) {
-  const std::vector<JointFigures> joints = joints_of(run.model);
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
   std::vector<std::vector<double>> out(joints.size());
   Eigen::VectorXd e(run.model.nv);
   for (size_t k = 0; k < run.states.size(); ++k) {
@@ -85,9 +85,9 @@ size_t buckets_for(size_t curves) { return std::clamp<size_t>(12000 / std::max<s
 Gallery tracking_gallery(const Run& run) {
   Gallery out;
   const std::vector<double> t = times(run);
-  const std::vector<JointFigures> joints = joints_of(run.model);
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
   const size_t buckets = buckets_for(4 * joints.size());
-  for (const JointFigures& joint : joints) {
+  for (const TrackedJoint& joint : joints) {
     Chart chart{.title = joint.name + ": reference and actual position over time"};
     chart.curves = {
         curve("reference", t, series(run, [&](size_t k) { return run.references[k].q[joint.iq]; }),
@@ -108,7 +108,7 @@ Gallery error_gallery(const Run& run) {
   Gallery out;
   out.columns = 1;
   const std::vector<double> t = times(run);
-  const std::vector<JointFigures> joints = joints_of(run.model);
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
   const std::vector<std::vector<double>> e = errors(run);
   // of many joints only the worst are told apart: those with an error of at least `least`
   constexpr size_t kTold = kInks;
@@ -150,8 +150,8 @@ Gallery error_gallery(const Run& run) {
 Gallery effort_gallery(const Run& run) {
   Gallery out;
   const std::vector<double> t = times(run);
-  const std::vector<JointFigures> joints = joints_of(run.model);
-  for (const JointFigures& joint : joints) {
+  const std::vector<TrackedJoint> joints = joints_of(run.model);
+  for (const TrackedJoint& joint : joints) {
     Chart chart{.title = joint.name + ": effort over time"};
     // tau of a step is what led to it; step 0 has none
     std::vector<double> x(t.begin() + (t.size() > 1), t.end()), tau;
@@ -174,7 +174,7 @@ Gallery effort_gallery(const Run& run) {
 
 Gallery energy_gallery(const Run& run) {
   Gallery out;
-  const Energy energy = balance(run);
+  const EnergyBalance energy = energy_balance(run);
   if (energy.energy.empty()) return out;
   const std::vector<double> t = times(run);
   std::vector<double> gained, drift;
@@ -222,7 +222,7 @@ Gallery tool_gallery(const Run& run) {
   Chart turn{
       .title = "angle of " + path.frame + " from its reference over time", .width = 530, .height = 210};
   error.curves = {curve("distance", t, path.error, Ink::Blue, 250)};
-  turn.curves = {curve("angle", t, path.turn, Ink::Blue, 250)};
+  turn.curves = {curve("angle", t, path.angle, Ink::Blue, 250)};
   out.figures.push_back(scaled("Distance from the reference", "m", std::move(error)));
   out.figures.push_back(scaled("Angle from the reference", "rad", std::move(turn)));
   out.legend = {{.label = "reference", .ink = Ink::Orange, .width = 4}, {.label = "actual"}};

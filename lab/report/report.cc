@@ -29,7 +29,7 @@ std::string with_unit(double number, const std::string& unit) {
 /// "rad" and "Nm", "m" and "N", or both of a robot that has both kinds of joints.
 std::pair<std::string, std::string> units(const rbd::Model& model) {
   bool turns = false, slides = false;
-  for (const JointFigures& joint : joints_of(model))
+  for (const TrackedJoint& joint : joints_of(model))
     (unit_of(model, joint.iv) == "m" ? slides : turns) = true;
   return turns && slides ? std::pair("rad, m", "Nm, N")
          : slides        ? std::pair("m", "N")
@@ -105,7 +105,7 @@ std::string joint_table(const Run& run, const json& m) {
       {"min_position_margin", "margin to limit"}};
   Table table{{"joint", "unit"}, {}, 2, true};
   for (const auto& [key, label] : columns) table.head.push_back(label);
-  for (const JointFigures& joint : joints_of(run.model))
+  for (const TrackedJoint& joint : joints_of(run.model))
     for (const json& one : m["joints"]) {
       if (one["name"] != joint.name) continue;
       std::vector<std::string> row{escape(joint.name), unit_of(run.model, joint.iv)};

@@ -97,7 +97,7 @@ std::optional<Run> run_direct(const Experiment& e, const rbd::Model& model,
   run.references.resize(run.states.size());  // an aborted run has some that no state followed
   thin_out(run, e.logger.every);
   simulator::ExternalEnergy external = simulator::external_energy(plant, run.states, {});
-  run.stored = std::move(external.stored);
+  run.stored_energy = std::move(external.stored);
   run.external_work = std::move(external.work);
   return run;
 }

@@ -144,7 +144,7 @@ TEST(Evaluate, EnergyBalancesUnderDisturbances) {
     e.simulator.dt = dt;
     lab::Run run = *solo::run_direct(e, model);
     if (!with_account) {
-      run.stored.clear();
+      run.stored_energy.clear();
       run.external_work.clear();
     }
     return evaluate(run, {})["energy_drift"].get<double>();

@@ -70,7 +70,7 @@ TEST(Reaches, EachMotionAndRestIsOne) {
   EXPECT_EQ(all[1].arrival, 4u);
   EXPECT_EQ(all[1].end, 6u);
   EXPECT_NEAR(all[0].joints[0].settling, 0.1, 1e-12);
-  EXPECT_NEAR(all[1].joints[0].way, -0.6, 1e-15);
+  EXPECT_NEAR(all[1].joints[0].displacement, -0.6, 1e-15);
   EXPECT_NEAR(all[1].joints[0].overshoot, 0.1, 1e-15);
   EXPECT_NEAR(all[1].joints[0].overshoot_share, 1.0 / 6, 1e-15);
   EXPECT_NEAR(evaluate(run, {})["reach_settling_mean"], (0.1 + 0.2) / 2, 1e-12);

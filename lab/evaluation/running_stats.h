@@ -1,18 +1,23 @@
+// Statistics of one quantity that grow value by value, and numbers as JSON takes them.
 #pragma once
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace lab {
 
-/// NaN and infinity have no place in JSON: null says that there is no value.
+/// JSON has neither NaN nor infinity: null says that there is no value.
 inline nlohmann::json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
+inline void put(nlohmann::json& out, const std::string& name, double value) {
+  out[name] = number_or_null(value);
+}
 
-/// Running figures of one quantity. Sums are taken in the order of the steps.
-struct Figures {
+/// Of absolute values. Sums are taken in the order of the steps.
+struct RunningStats {
   double max = 0, sum = 0, squares = 0, last = 0;
   int64_t count = 0;
 
@@ -24,9 +29,11 @@ struct Figures {
     last = size;
     ++count;
   }
-  void add(const Figures& other) {
+  void add(const RunningStats& other) {
     max = std::max(max, other.max);
-    sum += other.sum, squares += other.squares, count += other.count;
+    sum += other.sum;
+    squares += other.squares;
+    count += other.count;
   }
   double mean() const { return sum / static_cast<double>(count); }
   double rms() const { return std::sqrt(squares / static_cast<double>(count)); }
