@@ -2,19 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <stdexcept>
 
 #include "core/util/number.h"
 #include "lab/evaluation/tracking.h"
 #include "lab/experiment/experiment_yaml.h"
-#include "lab/report/html.h"
+#include "lab/page/page.h"
 
 namespace lab::report {
 namespace {
 
 using nlohmann::json;
+using page::figure;
 
 std::vector<std::string> names_of(const std::vector<Folder>& runs) {
   std::vector<std::string> names;
@@ -44,8 +44,8 @@ void find_joints(const std::vector<Folder>& runs, Comparison& out) {
   std::string note = "The robots differ (";
   for (size_t i = 0; i < runs.size(); ++i)
     note += (i ? ", " : "") + out.names[i] + ": " + runs[i].logged->robot.model.name;
-  out.notes.push_back(note + "), so figures over all joints say nothing: compared are the tool and " +
-                      (out.joints.empty() ? "nothing else, for no joint has the same name in all of them."
+  out.notes.push_back(note + "), so figures over all joints mean nothing: compared are the tool and " +
+                      (out.joints.empty() ? "nothing else, as no joint has the same name in all of them."
                                           : "the joints that have the same name in all of them: " +
                                                 list_of(out.joints) + "."));
 }
@@ -161,7 +161,7 @@ Comparison compare(const std::vector<Folder>& runs) {
     if (!runs[i].metrics["complete"].get<bool>())
       out.notes.push_back(out.names[i] + " ended early, at step " + runs[i].metrics["last_step"].dump() +
                           " of " + runs[i].metrics["wanted_last_step"].dump() +
-                          ": its figures are of what it did until then.");
+                          ": its figures cover the time until then.");
   for (size_t i = 1; i < runs.size(); ++i)
     if (runs[i].metrics["band"] != runs[0].metrics["band"])
       out.notes.push_back(out.names[i] + " was judged by another band (" + runs[i].metrics["band"].dump() +
@@ -183,11 +183,11 @@ std::string compare_text(const Comparison& all) {
   }
   std::string out = all.keys.empty() ? "The experiments are the same.\n" : columns(rows);
   rows = {{"metric", "unit", all.names[0]}};
-  for (size_t i = 1; i < all.names.size(); ++i) rows[0].push_back(all.names[i]), rows[0].push_back("");
+  for (size_t i = 1; i < all.names.size(); ++i) rows[0].insert(rows[0].end(), {all.names[i], ""});
   for (const Comparison::Row& one : all.rows) {
     std::vector<std::string> row{one.name, one.unit, plain(one.values[0])};
     for (size_t i = 1; i < one.values.size(); ++i)
-      row.push_back(plain(one.values[i])), row.push_back(in_words(one.better, one.values[0], one.values[i]));
+      row.insert(row.end(), {plain(one.values[i]), in_words(one.better, one.values[0], one.values[i])});
     rows.push_back(row);
   }
   out += "\n" + columns(rows);
@@ -212,8 +212,9 @@ json compare_json(const Comparison& all) {
              {"times_better", json::array()}};
     for (double value : row.values) {
       const auto [percent, times] = gain(row.better, row.values[0], value);
-      one["values"].push_back(or_null(value)), one["improvement_percent"].push_back(or_null(percent)),
-          one["times_better"].push_back(or_null(times));
+      one["values"].push_back(or_null(value));
+      one["improvement_percent"].push_back(or_null(percent));
+      one["times_better"].push_back(or_null(times));
     }
     out["metrics"].push_back(one);
   }

@@ -1,3 +1,4 @@
+// Runs side by side: what differs in their experiments and in their results. The first run is the baseline.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
@@ -6,8 +7,6 @@
 #include "lab/evaluation/metrics.h"
 #include "lab/report/report.h"
 
-/// Runs side by side: what is different in their experiments, and what came of it. The first is what the others are
-/// measured by.
 namespace lab::report {
 
 /// How much better than the first.
@@ -28,7 +27,7 @@ struct Comparison {
 
   struct Key {
     std::string name;
-    std::vector<std::string> values;  ///< by run; empty = not given
+    std::vector<std::string> values;  ///< by run; empty = none
   };
   std::vector<Key> keys;  ///< those that differ
 
@@ -45,6 +44,6 @@ Comparison compare(const std::vector<Folder>&);
 
 std::string compare_text(const Comparison&);
 nlohmann::json compare_json(const Comparison&);
-Page compare_page(const Comparison&, const std::vector<Folder>&);
+std::string compare_page(const Comparison&, const std::vector<Folder>&);
 
 }  // namespace lab::report

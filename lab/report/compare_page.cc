@@ -2,13 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "lab/page/page.h"
+#include "lab/report/charts.h"
 #include "lab/report/compare.h"
-#include "lab/report/figures.h"
-#include "lab/report/html.h"
 
 namespace lab::report {
 namespace {
+
+using nlohmann::json;
+using page::figure;
+using plot::Chart;
+using plot::Curve;
 
 std::vector<Curve> legend_of(const Comparison& all) {
   std::vector<Curve> legend;
@@ -54,118 +60,111 @@ std::vector<double> error_of(const Run& run, const std::string& name) {
   return {};
 }
 
-Gallery overview(const Comparison& all, const std::vector<Folder>& runs) {
-  Gallery out;
+ChartGroup overview(const Comparison& all, const std::vector<Folder>& runs) {
+  ChartGroup out;
   out.legend = legend_of(all);
   out.columns = 1;
   if (!all.joints.empty()) {
     Chart chart = overlaid(all, runs, "size of the error over time", 2,
                            [&](const Run& run) { return norm(run, all.joints); });
-    chart.width = 1080, chart.height = 290, chart.logarithmic = true;
-    out.figures.push_back({"Size of the error, all common joints", "rad, m; logarithmic", std::move(chart)});
+    chart.width = 1080;
+    chart.height = 290;
+    chart.logarithmic_y = true;
+    out.panels.push_back({"Size of the error, all common joints", "rad, m; logarithmic", std::move(chart)});
   }
   return out;
 }
 
-Gallery tools(const Comparison& all, const std::vector<Folder>& runs) {
-  Gallery out;
+ChartGroup tools(const Comparison& all, const std::vector<Folder>& runs) {
+  ChartGroup out;
   out.legend = legend_of(all);
   out.columns = 2;
   Chart error =
       overlaid(all, runs, "tool error over time", 2, [](const Run& run) { return tool_path(run).error; });
-  Chart turn =
+  Chart angle =
       overlaid(all, runs, "tool angle over time", 2, [](const Run& run) { return tool_path(run).angle; });
   for (auto& [chart, caption, unit] : {std::tuple(&error, "Tool: distance from the reference", "m"),
-                                       {&turn, "Tool: angle from the reference", "rad"}}) {
+                                       {&angle, "Tool: angle from the reference", "rad"}}) {
     if (chart->curves.empty()) continue;
-    chart->width = 530, chart->height = 210;
-    const Scale scale = scale_for(y_range(*chart).second, unit);
-    rescale(*chart, scale.factor);
-    out.figures.push_back({caption, scale.unit, std::move(*chart)});
+    chart->width = 530;
+    chart->height = 210;
+    out.panels.push_back(scaled(caption, unit, std::move(*chart)));
   }
   return out;
 }
 
-Gallery joints(const Comparison& all, const std::vector<Folder>& runs) {
-  Gallery out;
+ChartGroup joints(const Comparison& all, const std::vector<Folder>& runs) {
+  ChartGroup out;
   out.legend = legend_of(all);
   for (const std::string& name : all.joints) {
     Chart chart = overlaid(all, runs, name + ": error over time", all.joints.size(),
                            [&](const Run& run) { return error_of(run, name); });
     const rbd::Model& model = runs[0].logged->run.model;
-    const auto [low, high] = y_range(chart);
-    const Scale scale = scale_for(std::max(std::abs(low), std::abs(high)),
-                                  unit_of(model, model.joints[model.getJointId(name)].idx_v()));
-    rescale(chart, scale.factor);
-    out.figures.push_back({name, scale.unit, std::move(chart)});
+    out.panels.push_back(
+        scaled(name, unit_of(model, model.joints[model.getJointId(name)].idx_v()), std::move(chart)));
   }
   return out;
 }
 
-std::string key_table(const Comparison& all) {
-  if (all.keys.empty()) return missing("The experiments are the same, key for key.");
-  Table table{{"key"}, {}, all.names.size() + 1};
-  for (const std::string& name : all.names) table.head.push_back(escape(name));
+json key_rows(const Comparison& all) {
+  json rows = json::array();
   for (const Comparison::Key& key : all.keys) {
-    std::vector<std::string> row{"<code>" + escape(key.name) + "</code>"};
-    for (const std::string& value : key.values) row.push_back(value.empty() ? "–" : escape(value));
-    table.rows.push_back(row);
+    json values = json::array();
+    for (const std::string& value : key.values) values.push_back(value.empty() ? "–" : value);
+    rows.push_back({{"name", key.name}, {"values", std::move(values)}});
   }
-  return table.html();
+  return rows;
 }
 
-std::string metric_table(const Comparison& all, bool per_joint) {
-  // of more than three runs a value and what it is against the first share a cell, so that all of them are in sight
-  const bool share = all.names.size() > 3;
-  const std::string against = "against " + escape(all.names[0]);
-  Table table{{"metric", "unit", escape(all.names[0])}, {}, 2, share};
-  const auto add = [&](std::vector<std::string>& row, const std::string& value, const std::string& words) {
-    if (share)
-      row.push_back(value + "<br>" + words);
-    else
-      row.push_back(value), row.push_back(words);
-  };
-  for (size_t i = 1; i < all.names.size(); ++i) add(table.head, escape(all.names[i]), against);
+/// Of all joints, or joint by joint; null if there are none.
+json metric_table(const Comparison& all, bool per_joint) {
+  json rows = json::array();
   for (const Comparison::Row& one : all.rows) {
     if ((one.name.find('.') != std::string::npos) != per_joint) continue;
-    std::vector<std::string> row{"<code>" + escape(one.name) + "</code>", one.unit, figure(one.values[0])};
+    json others = json::array();
     for (size_t i = 1; i < one.values.size(); ++i) {
       const std::string words = in_words(one.better, one.values[0], one.values[i]);
       const char* mood = words.ends_with("better") ? "good" : words.ends_with("worse") ? "bad" : "soft";
-      add(row, figure(one.values[i]), std::string("<span class=\"") + mood + "\">" + words + "</span>");
+      others.push_back({{"value", figure(one.values[i])}, {"words", words}, {"mood", mood}});
     }
-    table.rows.push_back(row);
+    rows.push_back({{"name", one.name},
+                    {"unit", one.unit},
+                    {"value", figure(one.values[0])},
+                    {"others", std::move(others)}});
   }
-  return table.rows.empty() ? "" : table.html();
+  if (rows.empty()) return nullptr;
+  // of more than three runs a value and what it is against the first share a cell, so that the table fits the page
+  return {{"narrow", all.names.size() > 3},
+          {"first", all.names[0]},
+          {"others", std::vector<std::string>(all.names.begin() + 1, all.names.end())},
+          {"rows", std::move(rows)}};
 }
 
 }  // namespace
 
-Page compare_page(const Comparison& all, const std::vector<Folder>& runs) {
+std::string compare_page(const Comparison& all, const std::vector<Folder>& runs) {
   std::string title;
   for (const std::string& name : all.names) title += (title.empty() ? "" : " · ") + name;
-  std::string body = "<header>\n<h1>" + std::to_string(runs.size()) + " runs side by side</h1>\n";
-  Table table{{"run", "", "what", "RMS error"}, {}, 3};
+  json rows = json::array();
   for (size_t i = 0; i < runs.size(); ++i) {
-    const nlohmann::json rms = value_of(runs[i].metrics, "rms_error");
-    table.rows.push_back({"<strong>" + escape(all.names[i]) + "</strong>", badge_html(badge_of(runs[i])),
-                          escape(about(runs[i])), figure(rms.is_number() ? rms.get<double>() : NAN)});
+    const json rms = value_of(runs[i].metrics, "rms_error");
+    rows.push_back({{"name", all.names[i]},
+                    {"badge", badge_of(runs[i])},
+                    {"about", about(runs[i])},
+                    {"rms_error", figure(rms.is_number() ? rms.get<double>() : NAN)}});
   }
-  body += table.html();
-  for (const std::string& note : all.notes) body += missing(note);
-  body += "</header>\n";
-  const Shown shown = show({overview(all, runs), tools(all, runs), joints(all, runs)});
-  body += section("What is different", key_table(all));
-  body += section("What came of it", metric_table(all, false));
-  body += section("Errors", shown.html[0]);
-  body += section(
-      "Joints", (shown.html[2].empty() ? missing("No joint has the same name in all runs.") : shown.html[2]) +
-                    metric_table(all, true));
-  body += section("Tool", shown.html[1].empty() ? missing("No run has a tool.") : shown.html[1]);
-  Page page;
-  page.drawn = shown.drawn;
-  page.html = report::page(title, body);
-  return page;
+  const json values{{"count", runs.size()},
+                    {"names", all.names},
+                    {"runs", std::move(rows)},
+                    {"notes", all.notes},
+                    {"has_keys", !all.keys.empty()},
+                    {"keys", key_rows(all)},
+                    {"metrics", metric_table(all, false)},
+                    {"overview", drawn(overview(all, runs))},
+                    {"joints", drawn(joints(all, runs))},
+                    {"joint_metrics", metric_table(all, true)},
+                    {"tool", drawn(tools(all, runs))}};
+  return page::document(title, page::fill(embedded(), "compare.html", values));
 }
 
 }  // namespace lab::report

@@ -66,7 +66,8 @@ std::vector<Loops> read_loops(const std::string& telemetry) {
       for (size_t i = 0; i < last.loops.size() && i < loops.counts.size(); ++i)
         loops.counts[i] += last.loops[i];
       loops.overruns += last.overruns;
-      loops.late_p50 = last.lateness_p50, loops.late_p99 = last.lateness_p99,
+      loops.late_p50 = last.lateness_p50;
+      loops.late_p99 = last.lateness_p99;
       loops.late_max = last.lateness_max;
     }
     if (std::any_of(loops.counts.begin(), loops.counts.end(), [](int64_t n) { return n > 0; }))
@@ -111,14 +112,14 @@ std::string tail(std::string text) {
   return text;
 }
 
-std::vector<std::pair<std::string, std::string>> read_last_words(const fs::path& dir,
+std::vector<std::pair<std::string, std::string>> read_last_lines(const fs::path& dir,
                                                                  const nlohmann::json& manifest) {
   std::vector<std::pair<std::string, std::string>> all;
   if (!manifest.is_object() || !manifest.contains("exit_codes")) return all;
   for (const auto& [name, code] : manifest["exit_codes"].items()) {
     if (code == 0 || name == "run") continue;
     std::string text = tail(bytes_of(dir / "processes" / (name + ".log")));
-    all.emplace_back(name + " (exit " + code.dump() + ")", text.empty() ? "It said nothing." : text);
+    all.emplace_back(name + " (exit " + code.dump() + ")", text.empty() ? "(no output)" : text);
   }
   return all;
 }
@@ -129,7 +130,7 @@ Folder read_folder(const std::string& dir) {
   const fs::path root(dir);
   const std::string log = root / "log.lcm";
   if (!fs::exists(root / "experiment.yaml") && !fs::exists(log))
-    throw std::runtime_error(dir + ": is no run's folder (it has neither experiment.yaml nor log.lcm)");
+    throw std::runtime_error(dir + ": is not a run folder (it has neither experiment.yaml nor log.lcm)");
   Folder out;
   out.name = fs::canonical(root).filename();
   out.experiment_text = bytes_of(root / "experiment.yaml");
@@ -137,7 +138,8 @@ Folder read_folder(const std::string& dir) {
   if (!out.manifest.is_object()) out.manifest = nullptr;
   try {
     if (!fs::exists(log))
-      throw std::runtime_error("there is no log.lcm: the run ended before its first step, or still goes on");
+      throw std::runtime_error(
+          "there is no log.lcm: the run ended before its first step, or is still going on");
     if (fs::file_size(log) == 0) throw std::runtime_error("log.lcm is empty");
     out.logged = read_run(log);
     out.metrics = evaluate(out.logged->run, out.logged->experiment.expect);
@@ -151,11 +153,11 @@ Folder read_folder(const std::string& dir) {
   try {
     if (!out.experiment_text.empty())
       out.experiment = parse_experiment(out.experiment_text, out.name + "/experiment.yaml");
-  } catch (const std::exception&) {  // an older or broken text: the log knows what counts
+  } catch (const std::exception&) {  // an older or broken text: the log has what counts
   }
   if (fs::exists(root / "telemetry.lcm")) out.loops = read_loops(root / "telemetry.lcm");
   out.pictures = read_pictures(root, out.frames);
-  out.last_words = read_last_words(root, out.manifest);
+  out.last_lines = read_last_lines(root, out.manifest);
   return out;
 }
 

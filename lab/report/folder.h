@@ -1,3 +1,4 @@
+// What a run folder holds, as far as it is there.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -7,7 +8,6 @@
 
 #include "lab/evaluation/read_run.h"
 
-/// All that a run's folder holds, as far as it is there.
 namespace lab::report {
 
 /// An EVENT, or an INPUT from outside.
@@ -26,21 +26,21 @@ struct Loops {
 
 struct Folder {
   std::string name;                      ///< of the folder
-  std::optional<LoggedRun> logged;       ///< none: see no_log
+  std::optional<LoggedRun> logged;       ///< nothing: see no_log
   std::string no_log;                    ///< why not, in one line
   std::optional<Experiment> experiment;  ///< every key: experiment.yaml, or what the log has of it
   nlohmann::json metrics;                ///< evaluate() of it; null without
   std::vector<Note> notes;               ///< in the order of the log
-  std::vector<Loops> loops;              ///< in the order of the alphabet
+  std::vector<Loops> loops;              ///< by name
   nlohmann::json manifest;               ///< null if there is none
   std::string experiment_text;           ///< experiment.yaml; empty if there is none
   std::vector<std::string> pictures;     ///< PNG files' bytes: the contact sheet, or some frames
   size_t frames = 0;                     ///< in frames/
-  std::vector<std::pair<std::string, std::string>>
-      last_words;  ///< of processes that ended badly: name, last lines
+  /// Of processes that ended badly: name, and the last lines of their output.
+  std::vector<std::pair<std::string, std::string>> last_lines;
 };
 
-/// Throws std::runtime_error if the folder is none of a run. What is missing in it is no error.
+/// Throws std::runtime_error if this is not a run folder. What is missing in it is not an error.
 Folder read_folder(const std::string& dir);
 
 }  // namespace lab::report

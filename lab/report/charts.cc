@@ -1,16 +1,24 @@
-#include "lab/report/figures.h"
+#include "lab/report/charts.h"
 
 #include <rbd/rbd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "lab/report/gnuplot.h"
-#include "lab/report/html.h"
+#include "lab/page/page.h"
+#include "lab/plot/draw.h"
 #include "wire/protocol/loop_bins.h"
 
 namespace lab::report {
+
+using nlohmann::json;
+using page::figure;
+using plot::Chart;
+using plot::Curve;
+using plot::Ink;
+
 namespace {
 
 Curve curve(const std::string& label, const std::vector<double>& x, std::vector<double> y, Ink ink,
@@ -33,23 +41,23 @@ double largest(const Chart& chart) {
   return std::max(std::abs(low), std::abs(high));
 }
 
-/// A chart in a unit that suits it.
-Figure scaled(std::string caption, const std::string& unit, Chart chart) {
-  const Scale scale = scale_for(largest(chart), unit);
-  rescale(chart, scale.factor);
-  return {std::move(caption), scale.unit, std::move(chart)};
-}
-
 /// Shows a limit that the curve comes near to.
 void show_level(Chart& chart, double level) {
   if (!std::isfinite(level)) return;
   const auto [low, high] = y_range(chart);
   const double size = std::max(high - low, 1e-9);
   if (level > high + 0.6 * size || level < low - 0.6 * size) return;
-  chart.levels.push_back(level), chart.in_sight_y.push_back(level);
+  chart.levels.push_back(level);
+  chart.must_include_y.push_back(level);
 }
 
 }  // namespace
+
+Panel scaled(std::string caption, const std::string& unit, Chart chart) {
+  const plot::UnitScale scale = plot::unit_scale(largest(chart), unit);
+  rescale(chart, scale.factor);
+  return {std::move(caption), scale.unit, std::move(chart)};
+}
 
 std::vector<double> times(const Run& run) {
   return series(run, [&](size_t k) { return static_cast<double>(run.states[k].step) * run.dt; });
@@ -76,14 +84,14 @@ std::string unit_of(const rbd::Model& model, int iv) {
 void ink(Curve& curve, size_t i) {
   constexpr Ink kOrder[] = {Ink::Blue,   Ink::Red, Ink::Green, Ink::Purple,
                             Ink::Orange, Ink::Sky, Ink::Brown, Ink::Grey};
-  curve.ink = kOrder[i % kInks];
-  curve.dashed = i / kInks % 2 == 1;
+  curve.ink = kOrder[i % plot::kInks];
+  curve.dashed = i / plot::kInks % 2 == 1;
 }
 
 size_t buckets_for(size_t curves) { return std::clamp<size_t>(12000 / std::max<size_t>(curves, 1), 60, 300); }
 
-Gallery tracking_gallery(const Run& run) {
-  Gallery out;
+ChartGroup tracking_charts(const Run& run) {
+  ChartGroup out;
   const std::vector<double> t = times(run);
   const std::vector<TrackedJoint> joints = joints_of(run.model);
   const size_t buckets = buckets_for(4 * joints.size());
@@ -95,24 +103,24 @@ Gallery tracking_gallery(const Run& run) {
         curve("actual", t, series(run, [&](size_t k) { return run.states[k].q[joint.iq]; }), Ink::Blue,
               buckets)};
     chart.curves[0].width = 4;
-    show_level(chart, run.model.lowerPositionLimit[joint.iq]),
-        show_level(chart, run.model.upperPositionLimit[joint.iq]);
-    out.figures.push_back({joint.name, unit_of(run.model, joint.iv), std::move(chart)});
+    show_level(chart, run.model.lowerPositionLimit[joint.iq]);
+    show_level(chart, run.model.upperPositionLimit[joint.iq]);
+    out.panels.push_back({joint.name, unit_of(run.model, joint.iv), std::move(chart)});
   }
-  Curve limit{.label = "limit, where it is near", .ink = Ink::Grey, .width = 1, .dashed = true};
+  Curve limit{.label = "limit, if it is near", .ink = Ink::Grey, .width = 1, .dashed = true};
   out.legend = {{.label = "reference", .ink = Ink::Orange, .width = 4}, {.label = "actual"}, limit};
   return out;
 }
 
-Gallery error_gallery(const Run& run) {
-  Gallery out;
+ChartGroup error_charts(const Run& run) {
+  ChartGroup out;
   out.columns = 1;
   const std::vector<double> t = times(run);
   const std::vector<TrackedJoint> joints = joints_of(run.model);
   const std::vector<std::vector<double>> e = errors(run);
-  // of many joints only the worst are told apart: those with an error of at least `least`
-  constexpr size_t kTold = kInks;
-  const bool many = joints.size() > kTold;
+  // of many joints only the worst have inks of their own: those with an error of at least `least`
+  constexpr size_t kOwnInks = plot::kInks;
+  const bool many = joints.size() > kOwnInks;
   std::vector<double> size;
   for (const auto& one : e) {
     const auto [low, high] = std::minmax_element(one.begin(), one.end());
@@ -120,17 +128,17 @@ Gallery error_gallery(const Run& run) {
   }
   std::vector<double> ordered = size;
   std::sort(ordered.rbegin(), ordered.rend());
-  const double least = many ? ordered[kTold - 1] : 0;
+  const double least = many ? ordered[kOwnInks - 1] : 0;
   for (const std::string unit : {"rad", "m"}) {
     Chart chart{.title = "errors of the joints over time", .width = 1080, .height = 270};
-    size_t told = 0;
+    size_t inks = 0;
     for (size_t j = 0; j < joints.size(); ++j) {
-      const bool is_told = size[j] >= least && told < kTold;
-      told += is_told;
+      const bool has_ink = size[j] >= least && inks < kOwnInks;
+      inks += has_ink;
       if (unit_of(run.model, joints[j].iv) != unit) continue;
       Curve one = curve(joints[j].name, t, e[j], Ink::Grey, buckets_for(4 * joints.size()));
-      if (is_told) {
-        ink(one, told - 1);
+      if (has_ink) {
+        ink(one, inks - 1);
         out.legend.push_back({.label = one.label, .ink = one.ink});
       } else {
         one.width = 0.6;
@@ -140,54 +148,57 @@ Gallery error_gallery(const Run& run) {
     if (chart.curves.empty()) continue;
     if (const auto [low, high] = y_range(chart); low < -run.band || high > run.band)
       chart.bands = {{-run.band, run.band}};
-    out.figures.push_back(scaled("Error of each joint", unit, std::move(chart)));
+    out.panels.push_back(scaled("Error of each joint", unit, std::move(chart)));
   }
   if (many)
-    out.legend.push_back({.label = "the others, whose errors are smaller", .ink = Ink::Grey, .width = 0.6});
+    out.legend.push_back({.label = "the other joints, with smaller errors", .ink = Ink::Grey, .width = 0.6});
   return out;
 }
 
-Gallery effort_gallery(const Run& run) {
-  Gallery out;
+ChartGroup effort_charts(const Run& run) {
+  ChartGroup out;
   const std::vector<double> t = times(run);
   const std::vector<TrackedJoint> joints = joints_of(run.model);
   for (const TrackedJoint& joint : joints) {
     Chart chart{.title = joint.name + ": effort over time"};
-    // tau of a step is what led to it; step 0 has none
+    // tau of a step is what led to it; none leads to step 0
     std::vector<double> x(t.begin() + (t.size() > 1), t.end()), tau;
     for (size_t k = t.size() > 1; k < t.size(); ++k) tau.push_back(run.states[k].tau[joint.iv]);
     chart.curves = {curve("effort", x, std::move(tau), Ink::Blue, buckets_for(4 * joints.size()))};
-    chart.in_sight_x = {t.front()};
+    chart.must_include_x = {t.front()};
     const double lower = run.model.lowerEffortLimit[joint.iv], upper = run.model.upperEffortLimit[joint.iv];
-    show_level(chart, lower), show_level(chart, upper);
+    show_level(chart, lower);
+    show_level(chart, upper);
     const bool linear = unit_of(run.model, joint.iv) == "m";
     std::string unit = linear ? "N" : "Nm";
     if (std::isfinite(upper))
       unit += ", limit " +
               (lower == -upper ? "±" + figure(upper, 3) : figure(lower, 3) + " .. " + figure(upper, 3));
-    out.figures.push_back({joint.name, unit, std::move(chart)});
+    out.panels.push_back({joint.name, unit, std::move(chart)});
   }
-  Curve limit{.label = "limit, where it is near", .ink = Ink::Grey, .width = 1, .dashed = true};
+  Curve limit{.label = "limit, if it is near", .ink = Ink::Grey, .width = 1, .dashed = true};
   out.legend = {{.label = "effort of the joint"}, limit};
   return out;
 }
 
-Gallery energy_gallery(const Run& run) {
-  Gallery out;
+ChartGroup energy_charts(const Run& run) {
+  ChartGroup out;
   const EnergyBalance energy = energy_balance(run);
   if (energy.energy.empty()) return out;
   const std::vector<double> t = times(run);
   std::vector<double> gained, drift;
-  for (size_t k = 0; k < t.size(); ++k)
-    gained.push_back(energy.energy[k] - energy.energy[0]), drift.push_back(gained[k] - energy.work[k]);
+  for (size_t k = 0; k < t.size(); ++k) {
+    gained.push_back(energy.energy[k] - energy.energy[0]);
+    drift.push_back(gained[k] - energy.work[k]);
+  }
   Chart both{.title = "energy gained and work done over time", .width = 530, .height = 210};
   Chart rest{.title = "energy gained less work done over time", .width = 530, .height = 210};
   both.curves = {curve("energy gained", t, gained, Ink::Orange, 250),
                  curve("work done", t, energy.work, Ink::Blue, 250)};
   both.curves[0].width = 4;
   rest.curves = {curve("drift", t, drift, Ink::Red, 250)};
-  out.figures = {scaled("Energy gained, and work done", "J", std::move(both)),
-                 scaled("Their difference: drift", "J", std::move(rest))};
+  out.panels = {scaled("Energy gained, and work done", "J", std::move(both)),
+                scaled("Difference of the two: drift", "J", std::move(rest))};
   out.legend = {{.label = "energy gained", .ink = Ink::Orange, .width = 4},
                 {.label = "work done"},
                 {.label = "drift", .ink = Ink::Red}};
@@ -195,12 +206,12 @@ Gallery energy_gallery(const Run& run) {
   return out;
 }
 
-Gallery tool_gallery(const Run& run) {
-  Gallery out;
+ChartGroup tool_charts(const Run& run) {
+  ChartGroup out;
   const ToolPath path = tool_path(run);
   if (path.frame.empty()) return out;
   const std::vector<double> t = times(run);
-  const auto seen = [&](const std::string& caption, int right, int up) {
+  const auto projection = [&](const std::string& caption, int right, int up) {
     Chart chart{.title = "path of " + path.frame + ", " + caption, .width = 530, .height = 330};
     chart.x_label = std::string(1, static_cast<char>('x' + right)) + " (m)";
     chart.equal = true;
@@ -211,32 +222,33 @@ Gallery tool_gallery(const Run& run) {
       thin_evenly(one, 500);
       chart.curves.push_back(std::move(one));
     }
-    out.figures.push_back(
+    out.panels.push_back(
         {caption,
          std::string(1, static_cast<char>('x' + up)) + " in m over " + static_cast<char>('x' + right),
          std::move(chart)});
   };
-  seen("From above", 0, 1), seen("From the side", 0, 2);
+  projection("From above", 0, 1);
+  projection("From the side", 0, 2);
   Chart error{
       .title = "distance of " + path.frame + " from its reference over time", .width = 530, .height = 210};
-  Chart turn{
+  Chart angle{
       .title = "angle of " + path.frame + " from its reference over time", .width = 530, .height = 210};
   error.curves = {curve("distance", t, path.error, Ink::Blue, 250)};
-  turn.curves = {curve("angle", t, path.angle, Ink::Blue, 250)};
-  out.figures.push_back(scaled("Distance from the reference", "m", std::move(error)));
-  out.figures.push_back(scaled("Angle from the reference", "rad", std::move(turn)));
+  angle.curves = {curve("angle", t, path.angle, Ink::Blue, 250)};
+  out.panels.push_back(scaled("Distance from the reference", "m", std::move(error)));
+  out.panels.push_back(scaled("Angle from the reference", "rad", std::move(angle)));
   out.legend = {{.label = "reference", .ink = Ink::Orange, .width = 4}, {.label = "actual"}};
   out.columns = 2;
   return out;
 }
 
-Gallery loop_gallery(const std::vector<Loops>& all) {
-  Gallery out;
+ChartGroup loop_charts(const std::vector<Loops>& all) {
+  ChartGroup out;
   for (const Loops& loops : all) {
     const double total =
         static_cast<double>(std::accumulate(loops.counts.begin(), loops.counts.end(), int64_t{0}));
     Chart chart{.title = loops.process + ": histogram of loop times", .x_label = "loop time (µs)"};
-    chart.bars = true;
+    chart.bars = chart.logarithmic_x = true;
     Curve bars;
     int first = 0, last = kLoopBins - 1;
     while (first < kLoopBins - 1 && loops.counts[static_cast<size_t>(first)] == 0) ++first;
@@ -247,7 +259,7 @@ Gallery loop_gallery(const std::vector<Loops>& all) {
     }
     bars.x.push_back(static_cast<double>(loop_bin_start(last + 1)));
     chart.curves = {bars};
-    out.figures.push_back({loops.process, "% of " + figure(total, 8) + " loops", std::move(chart)});
+    out.panels.push_back({loops.process, "% of " + figure(total, 8) + " loops", std::move(chart)});
   }
   return out;
 }
@@ -260,53 +272,19 @@ int64_t loop_quantile(const Loops& loops, double share) {
   return loop_bin_start(kLoopBins);
 }
 
-namespace {
-
-const char* name_of(Ink ink) {
-  constexpr const char* kNames[] = {"blue", "orange", "red", "green", "purple", "sky", "brown", "grey"};
-  return kNames[static_cast<size_t>(ink)];
-}
-
-std::string legend_html(const std::vector<Curve>& curves) {
-  if (curves.empty()) return "";
-  std::string out = "<ul class=\"legend\">";
-  for (const Curve& one : curves)
-    out += "<li><svg viewBox=\"0 0 22 8\"><path class=\"s-" + std::string(name_of(one.ink)) +
-           "\" stroke-width=\"" + figure(std::max(one.width, 1.0) + 0.4) + "\"" +
-           (one.dashed ? " stroke-dasharray=\"4 4\"" : "") + " d=\"M2 4H20\"/></svg>" + escape(one.label) +
-           "</li>";
-  return out + "</ul>\n";
-}
-
-}  // namespace
-
-Shown show(const std::vector<Gallery>& galleries) {
-  std::vector<Chart> charts;
-  for (const Gallery& gallery : galleries)
-    for (const Figure& one : gallery.figures) charts.push_back(one.chart);
-  const auto drawn = draw(charts);
-  Shown out{.html = {}, .drawn = drawn.has_value()};
-  size_t next = 0;
-  for (const Gallery& gallery : galleries) {
-    std::string html;
-    if (!drawn) {
-      html = gallery.figures.empty()
-                 ? ""
-                 : missing("No plots here: gnuplot is not installed (package gnuplot-nox).");
-    } else if (!gallery.figures.empty()) {
-      html = legend_html(gallery.legend) + "<div class=\"plots" +
-             (gallery.columns == 1   ? " one"
-              : gallery.columns == 2 ? " two"
-                                     : "") +
-             "\">\n";
-      for (const Figure& one : gallery.figures)
-        html += "<figure><figcaption>" + escape(one.caption) + " <span>" + escape(one.unit) +
-                "</span></figcaption>\n" + (*drawn)[next++] + "</figure>\n";
-      html += "</div>\n";
-    }
-    out.html.push_back(html);
-  }
-  return out;
+json drawn(const ChartGroup& group) {
+  if (group.panels.empty()) return nullptr;
+  json legend = json::array(), panels = json::array();
+  for (const Curve& one : group.legend)
+    legend.push_back({{"key", plot::draw_key(one)}, {"label", one.label}});
+  for (const Panel& one : group.panels)
+    panels.push_back({{"caption", one.caption}, {"unit", one.unit}, {"svg", plot::draw(one.chart)}});
+  return {{"has_legend", !legend.empty()},
+          {"legend", std::move(legend)},
+          {"layout", group.columns == 1   ? " one"
+                     : group.columns == 2 ? " two"
+                                          : ""},
+          {"panels", std::move(panels)}};
 }
 
 }  // namespace lab::report

@@ -1,0 +1,18 @@
+# embed_texts(TARGET FUNCTION FILE..): the program carries the texts of these files. FUNCTION, such as
+# lab::report::embedded, returns them by file name; its room declares it: `const page::Texts& embedded();`.
+function(embed_texts target function)
+  string(REGEX MATCH "^(.*)::([a-z_]+)$" match ${function})
+  set(namespace ${CMAKE_MATCH_1})
+  set(name ${CMAKE_MATCH_2})
+  set(texts "// Made by CMake from templates.\n#include \"lab/page/template.h\"\nnamespace ${namespace} {\nconst lab::page::Texts& ${name}();\nconst lab::page::Texts& ${name}() {\n  static const lab::page::Texts texts = {\n")
+  foreach(file ${ARGN})
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+    file(READ ${file} text)
+    get_filename_component(base ${file} NAME)
+    string(APPEND texts "{\"${base}\", R\"text(${text})text\"},\n")
+  endforeach()
+  string(APPEND texts "};\n  return texts;\n}\n}  // namespace ${namespace}\n")
+  set(made ${CMAKE_CURRENT_BINARY_DIR}/${target}_texts.cc)
+  file(GENERATE OUTPUT ${made} CONTENT "${texts}")
+  target_sources(${target} PRIVATE ${made})
+endfunction()

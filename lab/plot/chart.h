@@ -1,0 +1,69 @@
+// Charts as plain values: what is drawn, not how. lab/plot/draw.h makes SVG of them.
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lab::plot {
+
+/// Colours that differ for colour-blind eyes too (Okabe and Ito 2008); the page's style has a shade of each for dark
+/// screens.
+enum class Ink { Blue, Orange, Red, Green, Purple, Sky, Brown, Grey };
+inline constexpr int kInks = 8;
+
+struct Curve {
+  std::string label;
+  std::vector<double> x{}, y{};  ///< of the same length
+  Ink ink = Ink::Blue;
+  double width = 1.4;
+  bool dashed = false;
+};
+
+/// One result: a dot, and a line from low to high if they differ. A y that is not a number is a cross at the top.
+struct Mark {
+  double x = 0, y = 0, low = 0, high = 0;
+  std::string tooltip;
+};
+
+struct Tick {
+  double value = 0;
+  std::string label;
+};
+
+struct Chart {
+  std::string title;  ///< for readers that cannot see it
+  int width = 350, height = 170;
+  std::string x_label = "time (s)";
+  std::string y_label{};  ///< along the upright axis; usually the caption above the chart has it
+  std::vector<Curve> curves{};
+  std::vector<Mark> marks{};
+  std::vector<double> must_include_x{}, must_include_y{};  ///< values that the axes reach in any case
+  std::vector<double> levels{};                    ///< dashed lines across, drawn where they are in range
+  std::vector<std::pair<double, double>> bands{};  ///< shaded between two heights
+  std::vector<Tick> x_ticks{};                     ///< used if they fit, in place of round numbers
+  bool categories = false;  ///< x_ticks are names without a scale: if they do not fit, every n-th is drawn
+  bool equal = false;       ///< a length is the same on both axes
+  bool logarithmic_x = false, logarithmic_y = false;
+  bool bars = false;  ///< the first curve as bars from 0: x[i] to x[i + 1], y[i] high
+};
+
+/// At most 2 * buckets + 2 points: minimum and maximum of each bucket, in their order, so that peaks survive; first and
+/// last point stay.
+void thin(Curve&, size_t buckets);
+/// At most `points`, evenly taken, first and last included: for curves in space.
+void thin_evenly(Curve&, size_t points);
+
+/// The smallest and largest x (or y) over all curves and marks, and of what the axis must include.
+std::pair<double, double> x_range(const Chart&);
+std::pair<double, double> y_range(const Chart&);
+
+/// A unit that suits numbers up to `largest`: factor 1000 and "mrad" for 0.01 rad.
+struct UnitScale {
+  double factor;
+  std::string unit;
+};
+UnitScale unit_scale(double largest, const std::string& unit);
+/// Multiplies everything upright.
+void rescale(Chart&, double factor);
+
+}  // namespace lab::plot

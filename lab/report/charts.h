@@ -1,0 +1,59 @@
+// The charts of a page about runs, in groups that share a heading and a legend.
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "lab/evaluation/energy.h"
+#include "lab/evaluation/tool.h"
+#include "lab/evaluation/tracking.h"
+#include "lab/page/template.h"
+#include "lab/plot/chart.h"
+#include "lab/report/folder.h"
+
+namespace lab::report {
+
+/// A chart and what stands above it.
+struct Panel {
+  std::string caption, unit;
+  plot::Chart chart;
+};
+
+struct ChartGroup {
+  std::vector<Panel> panels;
+  std::vector<plot::Curve> legend;  ///< labels and inks; the data does not matter
+  int columns = 3;                  ///< 1, 2 or 3 in a row, where there is room
+};
+
+ChartGroup tracking_charts(const Run&);
+ChartGroup error_charts(const Run&);
+ChartGroup effort_charts(const Run&);
+ChartGroup energy_charts(const Run&);  ///< empty if steps are missing in the log
+ChartGroup tool_charts(const Run&);    ///< empty if the robot has no link
+ChartGroup loop_charts(const std::vector<Loops>&);
+
+/// Drawn, for the template charts.html; null for an empty group.
+nlohmann::json drawn(const ChartGroup&);
+
+/// The room's templates.
+const page::Texts& embedded();
+
+/// t_k of every logged step, s.
+std::vector<double> times(const Run&);
+/// By joint of joints_of(model), by step: difference(q, q_ref).
+std::vector<std::vector<double>> errors(const Run&);
+/// "rad" or "m": of a joint by its place in v.
+std::string unit_of(const rbd::Model&, int iv);
+
+/// A panel in the unit that suits its values.
+Panel scaled(std::string caption, const std::string& unit, plot::Chart chart);
+
+/// Gives the i-th of several curves its ink; from the ninth on they are dashed.
+void ink(plot::Curve&, size_t i);
+/// Buckets for thin(), such that a page of so many curves stays small.
+size_t buckets_for(size_t curves);
+
+/// us that this share (0..1) of the loops did not exceed, to the end of its bin.
+int64_t loop_quantile(const Loops&, double share);
+
+}  // namespace lab::report
