@@ -32,7 +32,7 @@ std::string warn(const Experiment& e, const std::string& key, const std::string&
 
 std::string percent(double share) { return number(std::round(1000 * share) / 10) + " %"; }
 
-/// What of the disturbances is not as it stands in the file.
+/// Disturbances that do not take place as the file says.
 void check_disturbances(const Experiment& e, const simulator::Config& plant,
                         std::vector<std::string>& warnings) {
   const double dt = e.simulator.dt;
@@ -43,7 +43,7 @@ void check_disturbances(const Experiment& e, const simulator::Config& plant,
   const auto late = [&](const std::string& key, size_t i, double time) {
     if (std::llround(time / dt) >= e.last_step())
       warnings.push_back(warn(e, key + "[" + std::to_string(i) + "].time",
-                              number(time) + " s is after the end of the run: it never comes"));
+                              number(time) + " s is after the end of the run: it never happens"));
   };
   for (size_t i = 0; i < e.simulator.pushes.size(); ++i)
     late("simulator.pushes", i, e.simulator.pushes[i].time);
@@ -77,6 +77,67 @@ double loop_ratio(const rbd::Model& model, rbd::Data& data, const controller::Co
   return stability_ratio(A, D, h);
 }
 
+/// Stability along the planned path: of the control loop, of explicit damping and friction, and of soft stops.
+void check_stability(const Experiment& e, const simulator::Config& plant, const planner::Config& plan,
+                     const controller::Config* control, const rbd::Model& model,
+                     std::vector<std::string>& warnings) {
+  rbd::Data data(model);
+  planner::State state = planner::initial(plan);
+  Worst loop, friction, stops;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.nv),
+                        drag =
+                            plant.model.damping + plant.model.friction / rbd::kSlipSpeed;  // slope at v = 0
+  Eigen::VectorXd stop_stiffness = none, stop_damping = none;
+  for (const simulator::SoftStop& stop : plant.disturbances.stops) {
+    stop_stiffness[stop.v] = stop.stiffness;
+    stop_damping[stop.v] = stop.damping;
+  }
+  const bool euler = plant.integrator == simulator::Integrator::SemiImplicitEuler;
+  const double h = e.simulator.dt * static_cast<double>(e.controller.every);
+  const auto note = [](Worst& worst, double ratio, double time) {
+    if (ratio > worst.ratio) worst = {ratio, time};
+  };
+  for (int i = 0; i <= kSamples; ++i) {
+    const int64_t step = e.last_step() * i / kSamples;
+    const Reference wanted = planner::step(plan, state, {.step = step}).reference;
+    const double time = static_cast<double>(step) * e.simulator.dt;
+    const Eigen::MatrixXd Minv = rbd::computeMinverse(model, data, wanted.q);
+    if (control) note(loop, loop_ratio(model, data, *control, wanted, h), time);
+    if (euler) note(friction, stability_ratio(Minv, none, drag, e.simulator.dt), time);
+    if (!plant.disturbances.stops.empty())
+      note(stops, stability_ratio(Minv, stop_stiffness, stop_damping, e.simulator.dt), time);
+  }
+  const auto judge = [&](const Worst& worst, const std::string& key, const std::string& what,
+                         const std::string& cure) {
+    if (worst.ratio > 0.5)
+      warnings.push_back(warn(e, key,
+                              what + " at " + percent(worst.ratio) +
+                                  " of the limit of stability (t = " + number(worst.time) + " s)" +
+                                  (worst.ratio >= 1 ? ": it will not hold" : "") + "; " + cure));
+  };
+  judge(loop, "controller.kd", "the gains are", "lower them, shorten dt or give the joints armature");
+  judge(friction, "simulator.damping", "damping and friction are",
+        "lower them, shorten dt or take integrator rk4");
+  judge(stops, "simulator.limit_repulsion.stiffness", "the soft stops are",
+        "lower stiffness and damping, shorten dt or give the joints armature");
+}
+
+/// Speeds beyond limits, and a motion that is longer than the run.
+void check_motion(const Experiment& e, const planner::Config& plan, const rbd::Model& model,
+                  std::vector<std::string>& warnings) {
+  for (int i = 0; i < model.nv; ++i)
+    if (plan.motion->peak_speed[i] > model.upperVelocityLimit[i] * (1 + 1e-9))
+      warnings.push_back(warn(e, "planner.kind",
+                              "joint '" + joint_at(model, i) + "' has to move at " +
+                                  rounded(plan.motion->peak_speed[i]) + ", its limit is " +
+                                  number(model.upperVelocityLimit[i]) + "; " + plan.kind->cure));
+  if (const double end = static_cast<double>(e.last_step()) * e.simulator.dt;
+      plan.motion->chosen_time && plan.motion->duration > end)
+    warnings.push_back(warn(e, "simulator.duration",
+                            "the motion takes " + rounded(plan.motion->duration) +
+                                " s, and the run ends at " + number(end) + " s"));
+}
+
 }  // namespace
 
 std::vector<Eigen::VectorXd> planned_poses(const Experiment& e, const rbd::Model& model, int count) {
@@ -106,7 +167,7 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   const rbd::Model& model = robot.model;
   const simulator::Config plant = simulator::make_config(e, model);
   const planner::Config plan = planner::make_config(e, model);
-  // somebody else's controller knows its own kinds and gains
+  // a controller process of the user's has its own kinds and gains
   const bool ours = !e.processes.contains("controller");
   const controller::Config control = ours ? controller::make_config(e, model) : controller::Config();
   check_expect(e, model);
@@ -127,56 +188,8 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
                                 number(static_cast<double>(e.last_step()) * e.simulator.dt) + " s"));
 
   check_disturbances(e, plant, warnings);
-
-  // along the planned path: how stable the loop and the explicit friction are
-  rbd::Data data(model);
-  planner::State state = planner::initial(plan);
-  Worst loop, friction, stops;
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.nv),
-                        drag =
-                            plant.model.damping + plant.model.friction / rbd::kSlipSpeed;  // slope at v = 0
-  Eigen::VectorXd stop_stiffness = none, stop_damping = none;
-  for (const simulator::SoftStop& stop : plant.disturbances.stops)
-    stop_stiffness[stop.v] = stop.stiffness, stop_damping[stop.v] = stop.damping;
-  const bool euler = plant.integrator == simulator::Integrator::SemiImplicitEuler;
-  const double h = e.simulator.dt * static_cast<double>(e.controller.every);
-  const auto note = [](Worst& worst, double ratio, double time) {
-    if (ratio > worst.ratio) worst = {ratio, time};
-  };
-  for (int i = 0; i <= kSamples; ++i) {
-    const int64_t step = e.last_step() * i / kSamples;
-    const Reference wanted = planner::step(plan, state, {.step = step}).reference;
-    const double time = static_cast<double>(step) * e.simulator.dt;
-    const Eigen::MatrixXd Minv = rbd::computeMinverse(model, data, wanted.q);
-    if (ours) note(loop, loop_ratio(model, data, control, wanted, h), time);
-    if (euler) note(friction, stability_ratio(Minv, none, drag, e.simulator.dt), time);
-    if (!plant.disturbances.stops.empty())
-      note(stops, stability_ratio(Minv, stop_stiffness, stop_damping, e.simulator.dt), time);
-  }
-  for (int i = 0; i < model.nv; ++i)
-    if (plan.motion->peak_speed[i] > model.upperVelocityLimit[i] * (1 + 1e-9))
-      warnings.push_back(warn(e, "planner.kind",
-                              "joint '" + joint_at(model, i) + "' shall move at " +
-                                  rounded(plan.motion->peak_speed[i]) + ", its limit is " +
-                                  number(model.upperVelocityLimit[i]) + "; " + plan.kind->cure));
-  if (const double end = static_cast<double>(e.last_step()) * e.simulator.dt;
-      plan.motion->chosen_time && plan.motion->duration > end)
-    warnings.push_back(warn(e, "simulator.duration",
-                            "the motion takes " + rounded(plan.motion->duration) +
-                                " s, and the run ends at " + number(end) + " s"));
-  const auto judge = [&](const Worst& worst, const std::string& key, const std::string& what,
-                         const std::string& cure) {
-    if (worst.ratio > 0.5)
-      warnings.push_back(warn(e, key,
-                              what + " at " + percent(worst.ratio) +
-                                  " of the limit of stability (t = " + number(worst.time) + " s)" +
-                                  (worst.ratio >= 1 ? ": it will not hold" : "") + "; " + cure));
-  };
-  judge(loop, "controller.kd", "the gains are", "lower them, shorten dt or give the joints armature");
-  judge(friction, "simulator.damping", "damping and friction are",
-        "lower them, shorten dt or take integrator rk4");
-  judge(stops, "simulator.limit_repulsion.stiffness", "the soft stops are",
-        "lower stiffness and damping, shorten dt or give the joints armature");
+  check_motion(e, plan, model, warnings);
+  check_stability(e, plant, plan, ours ? &control : nullptr, model, warnings);
   return warnings;
 }
 

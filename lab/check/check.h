@@ -1,13 +1,13 @@
+// What can be said about an experiment before it runs: what cannot run, and warnings.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "lab/experiment/robot.h"
 
-/// Everything that can be said about an experiment before it runs.
 namespace lab {
 
-/// Builds the config of every step and looks at `expect`: throws ExperimentError for what cannot run. Returns
+/// Builds the config of every step and checks `expect`: throws ExperimentError for what cannot run. Returns
 /// warnings for what can run but probably should not, each one line: unstable gains, speeds beyond limits, ..
 std::vector<std::string> check(const Experiment&, const Robot&);
 

@@ -97,8 +97,14 @@ json verdicts(const json& all, const std::map<std::string, Bound>& expect) {
     json one{{"metric", metric}, {"value", value_of(all, metric)}};
     bool ok = one["value"].is_number();
     const double value = ok ? one["value"].get<double>() : 0;
-    if (bound.min) one["min"] = *bound.min, ok = ok && value >= *bound.min;
-    if (bound.max) one["max"] = *bound.max, ok = ok && value <= *bound.max;
+    if (bound.min) {
+      one["min"] = *bound.min;
+      ok = ok && value >= *bound.min;
+    }
+    if (bound.max) {
+      one["max"] = *bound.max;
+      ok = ok && value <= *bound.max;
+    }
     one["ok"] = ok;
     list.push_back(one);
   }

@@ -1,3 +1,4 @@
+// The metrics of metrics.json that `expect` can bound. docs/metrics.md has a formula for each.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -8,7 +9,6 @@
 
 #include "lab/experiment/experiment.h"
 
-/// The numbers of metrics.json that `expect` can bound. docs/metrics.md has a formula for each.
 namespace lab {
 
 /// Which way a metric is better.

@@ -1,10 +1,10 @@
+// Reads a run back from its log.lcm, which explains itself: RUN has the experiment and the robot.
 #pragma once
 #include <string>
 
 #include "lab/evaluation/evaluate.h"
 #include "lab/experiment/robot.h"
 
-/// A run read back from its log.lcm, which explains itself: RUN has the experiment and the robot.
 namespace lab {
 
 struct LoggedRun {

@@ -1,3 +1,4 @@
+// What a robot is, as text and as JSON: joints with kinds and limits, masses, frames.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
@@ -18,7 +19,7 @@ std::string info_text(const Robot&);
 /// Severity, place, element, message, and `text`: all of it as one line.
 nlohmann::ordered_json to_json(const rbd::urdf::Diagnostic&);
 
-/// "RZ", and whom it follows: "RZ = -1 finger_left + 0.5".
+/// "RZ", and what it mimics: "RZ = -1 finger_left + 0.5".
 std::string kind_of(const rbd::Model&, rbd::JointIndex);
 
 }  // namespace lab::model

@@ -14,8 +14,7 @@ namespace {
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-// ---- in
-// -----------------------------------------------------------------------------------------------------
+// ---- input
 
 struct State {
   Eigen::VectorXd q, v, a, tau;
@@ -80,8 +79,7 @@ void note_unread(const json& object, const std::string& where, const std::vector
   }
 }
 
-// ---- out
-// ----------------------------------------------------------------------------------------------------
+// ---- output
 
 template <class Vector>
 ordered_json list(const Vector& x) {
@@ -142,7 +140,8 @@ ordered_json state_json(const rbd::Model& model, rbd::Data& data, const State& s
   for (int f = 0; f < model.nframes; ++f)
     if (!oMf.contains(model.frames[f].name))
       oMf[model.frames[f].name] = rows(data.oMf[f].toHomogeneousMatrix());
-  out["oMi"] = std::move(oMi), out["oMf"] = std::move(oMf);
+  out["oMi"] = std::move(oMi);
+  out["oMf"] = std::move(oMf);
 
   out["M"] = rows(rbd::crba(model, data, s.q));
   out["Minv"] = rows(rbd::computeMinverse(model, data, s.q));
@@ -170,9 +169,11 @@ ordered_json state_json(const rbd::Model& model, rbd::Data& data, const State& s
 
   require_finite(out);  // before the derivatives, which start from these numbers
   rbd::computeRNEADerivatives(model, data, s.q, s.v, s.a);
-  out["dtau_dq"] = rows(data.dtau_dq), out["dtau_dv"] = rows(data.dtau_dv);
+  out["dtau_dq"] = rows(data.dtau_dq);
+  out["dtau_dv"] = rows(data.dtau_dv);
   rbd::computeABADerivatives(model, data, s.q, s.v, s.tau);
-  out["ddq_dq"] = rows(data.ddq_dq), out["ddq_dv"] = rows(data.ddq_dv);
+  out["ddq_dq"] = rows(data.ddq_dq);
+  out["ddq_dv"] = rows(data.ddq_dv);
 
   require_finite(out);
   return out;

@@ -1,3 +1,4 @@
+// Evaluates the dynamics of a robot for states that come as JSON.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -16,7 +17,7 @@ struct InputError : std::runtime_error {
 struct Evaluation {
   nlohmann::ordered_json out;
   std::vector<std::string> errors;    ///< "state 2: ..": states that hold {"error": text} instead of numbers
-  std::vector<std::string> warnings;  ///< keys that nobody reads
+  std::vector<std::string> warnings;  ///< keys that are not read
 };
 
 /// Every quantity of the dynamics for each state of `in`; docs/lab-model.md lists them. Only the header

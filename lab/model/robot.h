@@ -1,3 +1,4 @@
+// Loads a robot by the name that a person gives: a file, package://.. or builtin:NAME.
 #pragma once
 #include <rbd/model/model.h>
 #include <rbd/urdf/diagnostic.h>
@@ -15,7 +16,7 @@ struct RobotOptions {
   std::optional<Eigen::Vector3d> gravity;  ///< m/s2, in place of (0, 0, -9.81)
 };
 
-/// A robot as a person names it: builtin:manipulator, builtin:humanoid, package://.., or a file.
+/// The names are builtin:manipulator, builtin:humanoid, package://.., or a file.
 struct Robot {
   std::string file;  ///< where it was found, or the name of a builtin one
   rbd::Model model;  ///< empty unless ok()
@@ -24,7 +25,7 @@ struct Robot {
   bool ok() const;
 };
 
-/// Never throws for what a person may get wrong: a name that leads nowhere is a diagnostic as well.
+/// Does not throw for wrong names: a name that leads nowhere is a diagnostic as well.
 Robot load(const std::string& name, const RobotOptions& options);
 
 /// "0,0,-1.62" as numbers. Throws std::invalid_argument.

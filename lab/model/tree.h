@@ -1,3 +1,4 @@
+// The frames of a robot as a tree, as text and as JSON.
 #pragma once
 #include <rbd/model/model.h>
 

@@ -218,7 +218,10 @@ ChartGroup tool_charts(const Run& run) {
     for (const auto* points : {&path.reference, &path.actual}) {
       Curve one{.label = "", .ink = points == &path.actual ? Ink::Blue : Ink::Orange};
       if (points == &path.reference) one.width = 4;
-      for (const Eigen::Vector3d& p : *points) one.x.push_back(p[right]), one.y.push_back(p[up]);
+      for (const Eigen::Vector3d& p : *points) {
+        one.x.push_back(p[right]);
+        one.y.push_back(p[up]);
+      }
       thin_evenly(one, 500);
       chart.curves.push_back(std::move(one));
     }

@@ -1,10 +1,10 @@
+// Random values that depend on (seed, number of the draw, key) alone: not on the order in which they are computed, nor on
+// what else is drawn.
 #pragma once
 #include <cstdint>
 #include <string>
 #include <vector>
 
-/// Random values that depend on nothing but (seed, number of the draw, key): whatever the order in which they are asked
-/// for, and whatever else is drawn.
 namespace lab::sweep {
 
 struct Distribution {

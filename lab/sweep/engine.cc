@@ -13,7 +13,7 @@ namespace lab::sweep {
 void work_through(Workbench& bench, Results& results, std::vector<Row>& rows, std::span<const int64_t> runs,
                   int threads, bool run_missing, bool quiet) {
   std::atomic<size_t> next{0};
-  std::atomic<int64_t> done{0}, fresh{0};
+  std::atomic<int64_t> done{0}, completed{0};
   std::atomic<bool> failed{false};
   const auto keep_going = [&] { return !interrupted && !failed; };
   const auto one = [&](int64_t run) {
@@ -32,40 +32,41 @@ void work_through(Workbench& bench, Results& results, std::vector<Row>& rows, st
       line = *made;
     } catch (const std::exception& error) {
       row.state = Row::State::Unable;
-      row.reason = bench.words(error);
+      row.reason = bench.reason(error);
       ++done;
       return;
     }
     row = results.add(line);
-    ++done, ++fresh;
+    ++done;
+    ++completed;
   };
 
   std::mutex lock;
   std::condition_variable ended;
-  int alive = threads;
+  int running = threads;
   std::exception_ptr fault;
-  std::vector<std::thread> crew;
+  std::vector<std::thread> workers;
   for (int t = 0; t < threads; ++t)
-    crew.emplace_back([&] {
-      std::exception_ptr mine;
+    workers.emplace_back([&] {
+      std::exception_ptr own_fault;
       try {
         for (size_t i; keep_going() && (i = next++) < runs.size();) one(runs[i]);
-      } catch (...) {  // no place for results
-        mine = std::current_exception();
+      } catch (...) {  // results cannot be written
+        own_fault = std::current_exception();
         failed = true;
       }
       const std::lock_guard guard(lock);
-      if (mine && !fault) fault = mine;
-      --alive;
+      if (own_fault && !fault) fault = own_fault;
+      --running;
       ended.notify_one();
     });
   {
     Progress progress(static_cast<int64_t>(runs.size()), {.line_name = "lab sweep", .quiet = quiet});
     std::unique_lock guard(lock);
-    while (!ended.wait_for(guard, std::chrono::milliseconds(100), [&] { return alive == 0; }))
-      progress.show(done, fresh);
+    while (!ended.wait_for(guard, std::chrono::milliseconds(100), [&] { return running == 0; }))
+      progress.show(done, completed);
   }
-  for (std::thread& thread : crew) thread.join();
+  for (std::thread& thread : workers) thread.join();
   if (fault) std::rethrow_exception(fault);
 }
 

@@ -47,10 +47,11 @@ std::optional<Row> Results::read(const std::string& line) const {
     row.state = Row::State::Done;
     row.key = all.at("key").get<std::string>();
     row.last_step = all.at("last_step").get<int64_t>();
-    row.complete = all.at("complete").get<bool>(), row.passed = all.at("passed").get<bool>();
+    row.complete = all.at("complete").get<bool>();
+    row.passed = all.at("passed").get<bool>();
     row.reason = all.at("reason").get<std::string>();
     for (const std::string& name : metrics_) {
-      if (!row.complete) break;  // figures of a part of a run compare with nothing
+      if (!row.complete) break;  // figures of a part of a run cannot be compared
       const json value = all.at("metrics").value(name, json());
       row.metrics.push_back(value.is_number() ? value.get<double>() : NAN);
     }
@@ -87,7 +88,7 @@ size_t Results::size() const {
   return rows_.size();
 }
 
-/// The first number that nobody has: every process that works has a file of its own.
+/// Takes the first free number: every process has a file of its own.
 void Results::open() {
   fs::create_directories(dir_);
   for (int n = 0; descriptor_ < 0; ++n) {

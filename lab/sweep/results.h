@@ -1,3 +1,5 @@
+// Results of runs in the folder of a sweep: results/NNNN.jsonl, a line per run, a file per process. Lines are found by a
+// hash of what was run, not by number: an edited sweep reuses the results that still hold.
 #pragma once
 #include <map>
 #include <mutex>
@@ -6,8 +8,6 @@
 #include <string>
 #include <vector>
 
-/// What runs have left in a sweep's folder: results/NNNN.jsonl, a line a run, a file for each process that worked. Lines
-/// are found by the key of what was run, not by number: an edited sweep takes from its folder what still holds.
 namespace lab::sweep {
 
 /// One run of the table.
@@ -21,19 +21,19 @@ struct Row {
   std::vector<double> metrics;  ///< in the order of the sweep's; NaN = no value. Empty unless complete
 };
 
-/// The line of a run: what `evaluate` made of it, per joint as "max_error.elbow".
+/// The line of a run: its metrics, those of joints as "max_error.elbow".
 std::string result_line(const std::string& key, const nlohmann::json& evaluated);
 
 /// Threads may share one.
 class Results {
  public:
-  /// Rows have these metrics. The folder need not be there yet.
+  /// Rows have these metrics. The folder need not exist yet.
   Results(std::string dir, std::vector<std::string> metrics);
 
-  /// Reads what is there, or has come since. A line that is cut off, as by a full disk, counts as not there.
+  /// Reads what is there, or has been added since. A line that is cut off, as by a full disk, is ignored.
   void load();
   std::optional<Row> find(const std::string& key) const;
-  /// Takes a line, and appends it, whole, to this process' file. Throws std::runtime_error if it cannot be written.
+  /// Appends a whole line to the file of this process. Throws std::runtime_error if it cannot be written.
   Row add(const std::string& line);
   size_t size() const;
 
@@ -45,7 +45,7 @@ class Results {
   const std::vector<std::string> metrics_;
   mutable std::mutex lock_;
   std::map<std::string, Row> rows_;
-  std::map<std::string, std::streamoff> read_to_;  ///< how much of each file is known
+  std::map<std::string, std::streamoff> read_to_;  ///< how far each file has been read
   std::string file_;
   int descriptor_ = -1;
 };

@@ -15,7 +15,7 @@
 namespace lab::sweep {
 namespace {
 
-constexpr int64_t kMostRuns = 1'000'000;
+constexpr int64_t kMaxRuns = 1'000'000;
 
 /// A value as YAML on one line.
 std::string one_line(const YAML::Node& node) {
@@ -30,8 +30,7 @@ std::string one_line(const YAML::Node& node) {
     return "{" + text + "}";
   }
   if (!node.IsScalar() || node.Tag() != "!") return node.IsScalar() ? node.Scalar() : "~";
-  for (char c : node.Scalar())
-    text += c == '\'' ? "''" : std::string(1, c);  // it was in quotes: it stays a text
+  for (char c : node.Scalar()) text += c == '\'' ? "''" : std::string(1, c);  // in quotes it stays a text
   return "'" + text + "'";
 }
 
@@ -108,10 +107,11 @@ class Reader {
     double value = 0;
     const std::string text = node.IsScalar() ? node.Scalar() : "";
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || stop != text.data() + text.size() || error != std::errc() || !std::isfinite(value))
+    if (text.empty() || stop != text.data() + text.size() || error != std::errc() || !std::isfinite(value)) {
       fault(at(key),
-            key + ": must be a finite number, not " + (node.IsScalar() ? "'" + text + "'" : "a list or map")),
-          value = 1;
+            key + ": must be a finite number, not " + (node.IsScalar() ? "'" + text + "'" : "a list or map"));
+      return 1;
+    }
     return value;
   }
 
@@ -120,10 +120,11 @@ class Reader {
     const std::string text = node.IsScalar() ? node.Scalar() : "";
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || stop != text.data() + text.size() || error != std::errc() || value < least ||
-        value > most)
+        value > most) {
       fault(at(key),
-            fmt::format("{}: must be a whole number from {} to {}, not '{}'", key, least, most, text)),
-          value = least;
+            fmt::format("{}: must be a whole number from {} to {}, not '{}'", key, least, most, text));
+      return least;
+    }
     return value;
   }
 
@@ -176,7 +177,7 @@ class Reader {
       if (!given.count(needed))
         return fault(where, axis.key + ": a range needs from, to and count; " + needed + " is missing");
     const double from = to_number(given["from"], "from"), to = to_number(given["to"], "to");
-    const int64_t count = to_count(given["count"], "count", 2, kMostRuns);
+    const int64_t count = to_count(given["count"], "count", 2, kMaxRuns);
     const std::string scale = given.count("scale") ? one_line(given["scale"]) : "linear";
     if (scale != "linear" && scale != "log")
       return fault(at("scale"), "scale: '" + scale + "' is not known; use linear or log");
@@ -194,13 +195,15 @@ class Reader {
     bool counted = false, keyed = false;
     for (const auto& [key, value] : entries(node, "draws")) {
       if (key == "count")
-        sweep_.draw_count = to_count(value, key, 1, kMostRuns), counted = true;
+        sweep_.draw_count = to_count(value, key, 1, kMaxRuns);
       else if (key == "seed")
         sweep_.seed = to_count(value, key, 0, INT64_MAX);
       else if (key == "keys")
-        for (const auto& [drawn, how] : entries(value, "keys")) keyed = true, read_distribution(drawn, how);
+        for (const auto& [drawn, how] : entries(value, "keys")) read_distribution(drawn, how);
       else
         unknown(key, {"count", "seed", "keys"});
+      counted = counted || key == "count";
+      keyed = keyed || (key == "keys" && value.size() > 0);
     }
     if (!keyed || !counted) fault(at("draws"), "draws: needs count: and keys:");
   }
@@ -232,7 +235,8 @@ class Reader {
     if (choice) {
       for (const YAML::Node& item : given) d.choices.push_back(one_line(item));
     } else {
-      d.a = to_number(given[0], word), d.b = to_number(given[1], word);
+      d.a = to_number(given[0], word);
+      d.b = to_number(given[1], word);
       if (normal && d.b < 0) fault(at(word), key + ": normal: the deviation is below 0");
       if (!normal && d.b < d.a) fault(at(word), key + ": " + word + ": the second number is below the first");
       if (d.kind == Kind::LogUniform && !(d.a > 0))
@@ -261,8 +265,8 @@ class Reader {
           fault(draw.place, "'" + draw.key + "' is in the grid too; a key can vary in one way only");
     double runs = static_cast<double>(sweep_.draw_count);
     for (const Axis& axis : sweep_.grid) runs *= static_cast<double>(axis.values.size());
-    if (runs > static_cast<double>(kMostRuns))
-      fault(file_, fmt::format("{:.3g} runs; at most {} at a time", runs, kMostRuns));
+    if (runs > static_cast<double>(kMaxRuns))
+      fault(file_, fmt::format("{:.3g} runs; at most {} at a time", runs, kMaxRuns));
     if (!faults_.empty()) throw ExperimentError(faults_);
   }
 

@@ -1,3 +1,4 @@
+// A sweep: one experiment, run once for every point of a grid and every draw. docs/sweep.md shows the file.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,10 +7,9 @@
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/sweep/draw.h"
 
-/// A sweep: one experiment, run once for every point of a grid and every draw. docs/sweep.md shows the file.
 namespace lab::sweep {
 
-/// Places are "FILE:LINE", for messages.
+/// place: "FILE:LINE", for messages.
 struct Axis {
   std::string key, place;
   std::vector<std::string> values;  ///< each as YAML on one line
@@ -22,7 +22,7 @@ struct Draw {
 
 struct Sweep {
   std::string file, name;        ///< name: the file's, without .yaml
-  std::string experiment, text;  ///< file and what is in it
+  std::string experiment, text;  ///< file, and its text
   std::vector<Override> set;     ///< for all runs
   std::vector<Axis> grid;
   std::vector<Draw> draws;
@@ -38,7 +38,7 @@ struct Sweep {
   /// The keys that vary: the grid's, then the drawn ones; and their values in one run.
   std::vector<std::string> keys() const;
   std::vector<std::string> values(int64_t run) const;
-  /// What a run has over the experiment's text.
+  /// What a run overrides in the experiment's text.
   std::vector<Override> overrides(int64_t run) const;
 };
 

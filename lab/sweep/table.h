@@ -1,3 +1,4 @@
+// The results of a sweep as numbers: sweep.csv, JSON, the best runs. The same rows give the same bytes.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -7,7 +8,6 @@
 #include "lab/sweep/results.h"
 #include "lab/sweep/sweep.h"
 
-/// What a finished sweep says in figures. The same rows give the same bytes.
 namespace lab::sweep {
 
 /// One row a run: its number, the draw, the keys that vary, the metrics (empty = no value), complete, passed, last_step,

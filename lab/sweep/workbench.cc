@@ -16,19 +16,20 @@
 namespace lab::sweep {
 namespace {
 
-constexpr size_t kRobotsKept = 64;
+constexpr size_t kMaxRobots = 64;
 
 }  // namespace
 
 Workbench::Workbench(const Sweep& sweep) : sweep_(sweep), program_(hash_of_file("/proc/self/exe")) {}
 
 std::shared_ptr<const Robot> Workbench::robot_of(const Experiment& e) {
-  Experiment about;  // all that load_robot looks at
-  about.robot = e.robot, about.simulator.gravity = e.simulator.gravity;
+  Experiment about;  // what load_robot depends on
+  about.robot = e.robot;
+  about.simulator.gravity = e.simulator.gravity;
   const std::string key = resolve(about);
   const std::lock_guard guard(lock_);
   if (const auto known = robots_.find(key); known != robots_.end()) return known->second;
-  if (robots_.size() >= kRobotsKept)
+  if (robots_.size() >= kMaxRobots)
     robots_.clear();  // robots that vary from run to run are not worth keeping
   return robots_[key] = std::make_shared<const Robot>(load_robot(e));
 }
@@ -61,8 +62,10 @@ void Workbench::check() {
     controller::make_config(job.experiment, model);
     Experiment asked = job.experiment;
     asked.expect.clear();
-    for (const std::string& metric : sweep_.metrics)
-      asked.expect[metric], asked.where["expect." + metric] = sweep_.metrics_place;
+    for (const std::string& metric : sweep_.metrics) {
+      asked.expect[metric] = {};
+      asked.where["expect." + metric] = sweep_.metrics_place;
+    }
     try {
       check_expect(asked, model);
     } catch (const ExperimentError& error) {
@@ -75,7 +78,7 @@ void Workbench::check() {
   }
 }
 
-std::string Workbench::words(const std::exception& error) const {
+std::string Workbench::reason(const std::exception& error) const {
   std::string text = error.what();
   for (const std::string& file : {sweep_.file, sweep_.experiment}) {
     const std::string plain = std::filesystem::path(file).filename();

@@ -1,3 +1,4 @@
+// Makes experiments from a sweep and runs them.
 #pragma once
 #include <functional>
 #include <memory>
@@ -12,27 +13,27 @@
 
 namespace lab::sweep {
 
-/// Makes experiments from a sweep and runs them. Threads may share one.
+/// Threads may share one.
 class Workbench {
  public:
   explicit Workbench(const Sweep& sweep);
 
-  /// Looks at the metrics, and at every value of the grid and the first draw once, before anything runs. Throws
+  /// Checks the metrics, and every value of the grid and the first draw once, before anything runs. Throws
   /// ExperimentError with the place in the sweep's file.
   void check();
 
   struct Job {
     Experiment experiment;
     std::shared_ptr<const Robot> robot;
-    std::string key;  ///< of its result: a hash of all that decides it, the program included
+    std::string key;  ///< of its result: a hash of everything that it depends on, the program included
   };
   /// Throws ExperimentError for values that no run can have.
   Job prepare(int64_t run) { return prepare(sweep_.overrides(run)); }
 
   /// What went wrong, on one line, with files by their last name: the same wherever the sweep is started.
-  std::string words(const std::exception&) const;
+  std::string reason(const std::exception&) const;
 
-  /// The line of results that a run leaves; nothing if `keep_going` said no. Throws what the steps throw.
+  /// The line of results that a run leaves; nothing if `keep_going` returns false. Throws what the steps throw.
   std::optional<std::string> work(const Job&, const std::function<bool()>& keep_going) const;
 
  private:

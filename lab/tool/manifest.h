@@ -1,3 +1,4 @@
+// manifest.json of a run folder: everything needed to make the same run again.
 #pragma once
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -5,15 +6,14 @@
 
 namespace lab {
 
-/// What the group's supervisor knows and the run's folder does not.
+/// What the supervisor knows and the run folder does not hold.
 struct Launch {
   std::map<std::string, int> exit_codes;  ///< by process
   std::string started, ended;             ///< UTC, ISO 8601; empty = not known
   double wall_seconds = 0;                ///< 0 = not known
 };
 
-/// manifest.json of a run's folder: everything needed to make the same run again, and to see on what it was
-/// made: versions, compiler, CPU, GL renderer (from gl.txt if there is one), seed, hashes, host, times, exit
+/// Versions, compiler, CPU, GL renderer (from gl.txt if there is one), seed, hashes, host, times, exit
 /// codes. Reads what is there of experiment.yaml, log.lcm, metrics.json; what is missing is null.
 nlohmann::json manifest(const std::string& run_dir, const Launch&);
 

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <iterator>
 
+#include "core/util/exit_code.h"
 #include "lab/model/describe.h"
 #include "lab/model/eval.h"
 #include "lab/model/robot.h"
@@ -14,7 +15,6 @@ namespace lab::model {
 namespace {
 
 using nlohmann::ordered_json;
-enum Exit { kOk = 0, kFailed = 1, kUsage = 2, kBadModel = 3 };
 
 struct Options {
   std::vector<std::string> files;
@@ -39,7 +39,7 @@ int check(const Options& options) {
   ordered_json all = ordered_json::array();
   for (const std::string& file : options.files) {
     const Robot robot = load(file, options.robot);
-    if (!robot.ok()) result = kBadModel;
+    if (!robot.ok()) result = kBadConfig;
     if (options.as_json) {
       ordered_json said = ordered_json::array();
       for (const rbd::urdf::Diagnostic& d : robot.diagnostics) said.push_back(to_json(d));
@@ -84,7 +84,53 @@ int eval(const Robot& robot) {
     for (const std::string& line : *lines)
       fmt::print(stderr, "lab-model: {}{}\n", lines == &result.warnings ? "warning: " : "", line);
   print(result.out, -1);
-  return result.errors.empty() ? kOk : kFailed;
+  return result.errors.empty() ? kOk : kCheckFailed;
+}
+
+struct Verb {
+  const char *name, *what, *example;
+  bool many;  ///< takes several robots
+};
+constexpr Verb kVerbs[] = {
+    {"info", "Name, joints with kinds and limits, masses, frames.", "info models/simple_3dof_arm.urdf",
+     false},
+    {"check", "Says what is wrong with robot files, one line each: FILE:LINE: element: what (value seen).",
+     "check robots/*.urdf", true},
+    {"eval", "Reads states (JSON) from stdin, prints all of their dynamics (JSON).",
+     "eval builtin:manipulator <<< '{\"states\": [{\"q\": [0, 0, 0, 0, 0, 0]}], \"frames\": "
+     "[\"arm_tool_link\"]}'",
+     false},
+    {"tree", "Joints, links and frames as a tree.", "tree builtin:humanoid", false}};
+
+void add_verb(CLI::App& app, const Verb& verb, Options& o) {
+  CLI::App* sub = app.add_subcommand(verb.name, verb.what);
+  sub->add_flag("--floating-base", o.robot.floating_base,
+                "the root link floats (a free-flyer joint 'root_joint')");
+  sub->add_flag("--no-mimic", o.no_mimic, "mimic joints are free");
+  sub->add_option("--gravity", o.gravity, "x,y,z in m/s2 (default 0,0,-9.81)");
+  sub->add_flag("--json", o.as_json, "print JSON");
+  sub->footer(std::string("example: lab-model ") + verb.example);
+  if (verb.many) {
+    sub->add_option("robots", o.files, "URDF files, package://.. or builtin:NAME")->required();
+    sub->add_flag("--notes", o.notes, "also what was left out or adapted without harm");
+  } else {
+    sub->add_option("robot", o.file, "URDF file, package://.. or builtin:NAME")->required();
+  }
+}
+
+int run_verb(const std::string& verb, Options& o) {
+  if (verb == "check") {
+    o.robot.meshes = true;
+    return check(o);
+  }
+  const Robot loaded = load(o.file, o.robot);
+  if (!loaded.ok()) {
+    print(loaded.diagnostics, rbd::urdf::Severity::Error);
+    return kBadConfig;
+  }
+  if (verb == "info") return info(o, loaded);
+  if (verb == "tree") return tree(o, loaded);
+  return eval(loaded);
 }
 
 int run(int argc, char** argv) {
@@ -96,34 +142,7 @@ int run(int argc, char** argv) {
       "Exit codes: 0 ok, 1 a state cannot be evaluated, 2 usage or bad input, 3 the robot is refused.\n"
       "example: lab-model info builtin:manipulator");
   Options o;
-  const auto verb = [&](const char* name, const char* what, const char* example) {
-    CLI::App* sub = app.add_subcommand(name, what);
-    sub->add_flag("--floating-base", o.robot.floating_base,
-                  "the root link floats (a free-flyer joint 'root_joint')");
-    sub->add_flag("--no-mimic", o.no_mimic, "mimic joints are free");
-    sub->add_option("--gravity", o.gravity, "x,y,z in m/s2 (default 0,0,-9.81)");
-    sub->add_flag("--json", o.as_json, "print JSON");
-    sub->footer(std::string("example: lab-model ") + example);
-    return sub;
-  };
-  const auto robot = [&](CLI::App* sub) {
-    sub->add_option("robot", o.file, "URDF file, package://.. or builtin:NAME")->required();
-  };
-
-  CLI::App* info_verb =
-      verb("info", "Name, joints with kinds and limits, masses, frames.", "info models/simple_3dof_arm.urdf");
-  robot(info_verb);
-  CLI::App* check_verb = verb(
-      "check", "Says what is wrong with robot files, one line each: FILE:LINE: element: what (value seen).",
-      "check robots/*.urdf");
-  check_verb->add_option("robots", o.files, "URDF files, package://.. or builtin:NAME")->required();
-  check_verb->add_flag("--notes", o.notes, "also what was left out or adapted without harm");
-  CLI::App* eval_verb = verb("eval", "Reads states (JSON) from stdin, prints all of their dynamics (JSON).",
-                             "eval builtin:manipulator <<< '{\"states\": [{\"q\": [0, 0, 0, 0, 0, 0]}], "
-                             "\"frames\": [\"arm_tool_link\"]}'");
-  robot(eval_verb);
-  CLI::App* tree_verb = verb("tree", "Joints, links and frames as a tree.", "tree builtin:humanoid");
-  robot(tree_verb);
+  for (const Verb& verb : kVerbs) add_verb(app, verb, o);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -138,24 +157,13 @@ int run(int argc, char** argv) {
     return kUsage;
   }
   try {
-    if (*check_verb) {
-      o.robot.meshes = true;
-      return check(o);
-    }
-    const Robot loaded = load(o.file, o.robot);
-    if (!loaded.ok()) {
-      print(loaded.diagnostics, rbd::urdf::Severity::Error);
-      return kBadModel;
-    }
-    if (*info_verb) return info(o, loaded);
-    if (*tree_verb) return tree(o, loaded);
-    return eval(loaded);
+    return run_verb(app.get_subcommands().front()->get_name(), o);
   } catch (const InputError& error) {
     fmt::print(stderr, "lab-model: {}\n", error.what());
     return kUsage;
   } catch (const std::exception& error) {
     fmt::print(stderr, "lab-model: {}\n", error.what());
-    return kFailed;
+    return kCheckCheckFailed;
   }
 }
 

@@ -19,10 +19,11 @@ std::string procfile(const Experiment& e, const std::string& run_dir, const std:
   std::string out;
   std::map<std::string, std::string> own = e.processes;
   const auto add = [&](const std::string& name, const std::string& usual, bool required) {
-    std::string command =
-        "exec " + usual;  // or a signal of honcho's would end the shell before the program has finished
-    if (const auto it = own.find(name); it != own.end())
-      command = replaced(it->second, "{run_dir}", dir), own.erase(it);
+    std::string command = "exec " + usual;  // else a signal of honcho would end the shell before the program
+    if (const auto it = own.find(name); it != own.end()) {
+      command = replaced(it->second, "{run_dir}", dir);
+      own.erase(it);
+    }
     if (e.faults.drop > 0)
       command =
           "export LAB_FAULT_DROP=" + number(e.faults.drop) + "," + std::to_string(e.seed) + "; " + command;

@@ -1,3 +1,4 @@
+// The Procfile of an experiment: which processes a run has, and how each is started.
 #pragma once
 #include <string>
 
@@ -7,7 +8,7 @@ namespace lab {
 
 /// The Procfile of an experiment: "name: command" per process, policy in "#lab:" lines before it. honcho and
 /// foreman run it too. `run_dir` holds experiment.yaml; it is quoted where a shell needs it.
-/// The usual programs take the place of their shell (exec), so that a signal reaches them alone.
+/// The usual programs replace their shell (exec), so that a signal reaches them alone.
 /// `restart` (never, on-failure, always) is the policy of all but the simulator.
 std::string procfile(const Experiment&, const std::string& run_dir, const std::string& restart = "never");
 

@@ -90,12 +90,12 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
     process = start(path, out)
     lab.until(lambda: lines(out), "a result")
     other = sweep(path, out)
-    assert other.returncode == 2 and "another sweep is alive" in other.stderr
+    assert other.returncode == 2 and "another sweep is running" in other.stderr
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=lab.DEADLINE)
     assert process.returncode == 130, stderr
     kept = lines(out)
-    assert stderr.splitlines()[-1] == f"lab sweep: stopped with {len(kept)} of 100 runs done; the same command goes on from there"
+    assert stderr.splitlines()[-1] == f"lab sweep: stopped with {len(kept)} of 100 runs done; the same command continues from there"
 
 
 def test_bad_files_and_bad_runs(tmp_path):

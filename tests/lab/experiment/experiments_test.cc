@@ -127,7 +127,7 @@ TEST(Experiments, DisturbancesThatAreNotAsWrittenAreTold) {
   EXPECT_EQ(warnings("simulator.delay=0.0024"),
             "--set: simulator.delay: warning: is not a whole number of steps; the delay is 0.002 s");
   EXPECT_EQ(warnings("simulator.payloads=[{time: 4, frame: effector_body, mass: 1}]"),
-            "--set: simulator.payloads[0].time: warning: 4 s is after the end of the run: it never comes");
+            "--set: simulator.payloads[0].time: warning: 4 s is after the end of the run: it never happens");
   EXPECT_EQ(warnings("simulator.payloads=[{time: 3.999, frame: effector_body, mass: 1}]"), "");
   EXPECT_EQ(warnings("simulator.limit_repulsion.stiffness=1000"), "");
   EXPECT_NE(warnings("simulator.limit_repulsion.stiffness=1e6")

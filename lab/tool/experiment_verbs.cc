@@ -1,0 +1,137 @@
+#include "lab/tool/experiment_verbs.h"
+
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "core/util/atomic_file.h"
+#include "core/util/exit_code.h"
+#include "core/util/number.h"
+#include "lab/check/check.h"
+#include "lab/evaluation/evaluate.h"
+#include "lab/evaluation/read_run.h"
+#include "lab/experiment/experiment_yaml.h"
+#include "lab/experiment/hash.h"
+#include "lab/report/compare.h"
+#include "lab/report/report.h"
+#include "lab/tool/metrics_text.h"
+#include "lab/tool/procfile.h"
+
+namespace lab {
+namespace {
+
+using nlohmann::json;
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) std::cerr << warning << "\n";
+}
+
+}  // namespace
+
+int check_files(const Options& options) {
+  int result = kOk;
+  json all = json::array();
+  for (const std::string& file : options.files) {
+    json one{{"file", file}};
+    try {
+      const Experiment e = load_experiment(file, options.set);
+      const Robot robot = load_robot(e);
+      const std::vector<std::string> warnings = check(e, robot);
+      one["ok"] = true;
+      one["warnings"] = warnings;
+      one["robot"] = robot.model.name;
+      one["steps"] = e.last_step();
+      if (!options.as_json) {
+        print_warnings(warnings);
+        std::cout << file << ": ok (" << robot.model.name << ", nq " << robot.model.nq << ", nv "
+                  << robot.model.nv << "; " << e.last_step() << " steps of " << number(e.simulator.dt)
+                  << " s)\n";
+      }
+    } catch (const std::exception& error) {
+      one["ok"] = false;
+      one["error"] = error.what();
+      if (!options.as_json) std::cerr << error.what() << "\n";
+      result = kBadConfig;
+    }
+    all.push_back(one);
+  }
+  if (options.as_json) std::cout << all.dump(2) << "\n";
+  return result;
+}
+
+int resolve_file(const Options& options) {
+  Experiment e = load_experiment(options.file, options.set);
+  print_warnings(check(e, load_robot(e)));
+  if (const std::string model = find_model(e); !model.empty())
+    e.robot.model = model;  // the run folder is elsewhere
+  const std::string text =
+      "# As run; made from " + std::filesystem::path(options.file).filename().string() + ".\n" + resolve(e);
+  if (options.out.empty() || options.out == "-")
+    std::cout << text;
+  else
+    write_atomically(options.out, text);
+  return kOk;
+}
+
+int list_processes(const Options& options) {
+  std::cout << procfile(load_experiment(options.file, options.set), options.run_dir, options.restart);
+  return kOk;
+}
+
+int evaluate_run(const Options& options) {
+  const LoggedRun logged = read_run(options.run_dir + "/log.lcm");
+  json all = evaluate(logged.run, logged.experiment.expect);
+  all["experiment"] = logged.experiment.name;
+  all["robot"] = logged.robot.model.name;
+  all["run"] = hex(logged.id);
+  write_atomically(options.run_dir + "/metrics.json", all.dump(2) + "\n");
+  if (options.as_json)
+    std::cout << all.dump(2) << "\n";
+  else
+    std::cout << metrics_text(all);
+  return all["passed"].get<bool>() ? kOk : kCheckFailed;
+}
+
+int write_manifest(Options options) {
+  for (const std::string& text : options.exits) {
+    const size_t equals = text.find('=');
+    try {
+      options.launch.exit_codes[text.substr(0, equals)] = std::stoi(text.substr(equals + 1));
+    } catch (const std::exception&) {
+      std::cerr << "--exit " << text << ": must look like simulator=0\n";
+      return kUsage;
+    }
+  }
+  const std::string text = manifest(options.run_dir, options.launch).dump(2) + "\n";
+  write_atomically(options.run_dir + "/manifest.json", text);
+  if (options.as_json) std::cout << text;
+  return kOk;
+}
+
+int report_runs(const Options& options) {
+  for (const std::string& dir : options.files) {
+    const std::string path = dir + (dir.ends_with('/') ? "" : "/") + "report.html";
+    write_atomically(path, report::run_page(report::read_folder(dir)));
+    std::cout << path << "\n";
+  }
+  return kOk;
+}
+
+int compare_runs(const Options& options) {
+  std::vector<report::Folder> runs;
+  for (const std::string& dir : options.files) runs.push_back(report::read_folder(dir));
+  const report::Comparison all = report::compare(runs);
+  if (!options.out.empty()) write_atomically(options.out, report::compare_page(all, runs));
+  if (options.as_json)
+    std::cout << compare_json(all).dump(2) << "\n";
+  else
+    std::cout << compare_text(all);
+  return kOk;
+}
+
+int list_keys(const Options&) {
+  std::cout << key_table();
+  return kOk;
+}
+
+}  // namespace lab

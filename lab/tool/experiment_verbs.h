@@ -1,0 +1,28 @@
+// What the verbs of lab-experiment do, reports and sweeps apart: one function each. They return the exit code, and
+// throw for bad experiments, robots and files.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lab/tool/manifest.h"
+
+namespace lab {
+
+/// The words of the command line, of all verbs together.
+struct Options {
+  std::vector<std::string> files, set, exits;
+  std::string file, out, run_dir = ".", restart = "never";
+  Launch launch;
+  bool as_json = false;
+};
+
+int check_files(const Options&);
+int resolve_file(const Options&);
+int list_processes(const Options&);
+int evaluate_run(const Options&);
+int write_manifest(Options);
+int report_runs(const Options&);
+int compare_runs(const Options&);
+int list_keys(const Options&);
+
+}  // namespace lab
