@@ -106,7 +106,8 @@ std::vector<Tick> ticks_of_x(const Chart& chart, const Area& area) {
     return true;
   };
   if (!chart.x_ticks.empty() && fit(1)) return chart.x_ticks;
-  if (!chart.categories) return area.x.ticks(std::min<size_t>(10, static_cast<size_t>((area.right - area.left) / 52)));
+  if (!chart.categories)
+    return area.x.ticks(std::min<size_t>(10, static_cast<size_t>((area.right - area.left) / 52)));
   size_t every = 2;
   while (!fit(every)) ++every;
   std::vector<Tick> some;
