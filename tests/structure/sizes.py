@@ -17,7 +17,7 @@ import rooms
 FILE_LINES = 400
 FUNCTION_LINES = 60
 FOLDER_SHARE = 0.30
-LONG_FUNCTIONS = {"core": 2, "render": 3}  # fewer is better; more is not allowed
+LONG_FUNCTIONS = {"core": 0, "render": 3}  # fewer is better; more is not allowed
 
 TEMPLATE = re.compile(r"\btemplate\s*<[^<>]*(?:<[^<>]*(?:<[^<>]*>[^<>]*)*>[^<>]*)*>")
 
