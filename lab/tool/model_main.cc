@@ -163,7 +163,7 @@ int run(int argc, char** argv) {
     return kUsage;
   } catch (const std::exception& error) {
     fmt::print(stderr, "lab-model: {}\n", error.what());
-    return kCheckCheckFailed;
+    return kCheckFailed;
   }
 }
 
