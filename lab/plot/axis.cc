@@ -43,9 +43,14 @@ std::vector<Tick> Axis::ticks(size_t most) const {
 }
 
 std::vector<Tick> Axis::linear_ticks(size_t most) const {
-  const double rough = high_ / static_cast<double>(most) - low_ / static_cast<double>(most);
+  // the smallest step of 1, 2 or 5 times a power of ten that gives no more than most + 1 ticks
+  const double rough = high_ / static_cast<double>(most + 1) - low_ / static_cast<double>(most + 1);
   const double unit = std::pow(10, std::floor(std::log10(rough)));
-  const double step = unit * (rough / unit > 5 ? 10 : rough / unit > 2 ? 5 : rough / unit > 1 ? 2 : 1);
+  double step = unit;
+  for (double factor : {1.0, 2.0, 5.0, 10.0, 20.0}) {
+    step = factor * unit;
+    if (std::floor(high_ / step) - std::ceil(low_ / step) <= static_cast<double>(most)) break;
+  }
   std::vector<Tick> ticks;
   const double slack = 1e-9 * step;  // an end that is a round value has its tick
   for (double k = std::ceil((low_ - slack) / step); k * step <= high_ + slack; ++k)
