@@ -36,40 +36,37 @@ double share(double value, double lower, double upper) {
 /// The later of two times, NaN ("never") if one of them is.
 double later(double a, double b) { return std::isnan(a) || std::isnan(b) ? NAN : std::max(a, b); }
 
-void add_step(JointStats& stats, const TrackedJoint& joint, const Run& run, size_t k, double error) {
-  const rbd::Model& model = run.model;
-  const RobotState& state = run.states[k];
-  const double v = state.v[joint.iv], q = state.q[joint.iq];
-  stats.error.add(error);
-  if (std::abs(error) > run.band)
-    stats.settled_since = -1;
-  else if (stats.settled_since < 0)
-    stats.settled_since = state.step;
-  stats.speed.add(v);
-  stats.speed_share = std::max(
-      stats.speed_share, share(v, model.lowerVelocityLimit[joint.iv], model.upperVelocityLimit[joint.iv]));
-  stats.margin = std::min(
-      {stats.margin, q - model.lowerPositionLimit[joint.iq], model.upperPositionLimit[joint.iq] - q});
-  if (k == 0) return;  // no effort leads to step 0
-  const double tau = state.tau[joint.iv];
-  stats.effort.add(tau);
-  stats.effort_share = std::max(
-      stats.effort_share, share(tau, model.lowerEffortLimit[joint.iv], model.upperEffortLimit[joint.iv]));
-}
-
 Tracking track(const Run& run, const std::vector<TrackedJoint>& joints) {
+  const rbd::Model& model = run.model;
   Tracking out;
   out.joints.resize(joints.size());
-  Eigen::VectorXd e(run.model.nv);
+  Eigen::VectorXd e(model.nv);
   for (size_t k = 0; k < run.states.size(); ++k) {
-    rbd::difference(run.model, run.states[k].q, run.references[k].q, e);
+    const RobotState& state = run.states[k];
+    rbd::difference(model, state.q, run.references[k].q, e);
     double squares = 0;
     for (size_t j = 0; j < joints.size(); ++j) {
-      const double error = e[joints[j].iv];
+      const TrackedJoint& joint = joints[j];
+      JointStats& stats = out.joints[j];
+      const double error = e[joint.iv], v = state.v[joint.iv], q = state.q[joint.iq];
+      stats.error.add(error);
       squares += error * error;
-      add_step(out.joints[j], joints[j], run, k, error);
+      if (std::abs(error) > run.band)
+        stats.settled_since = -1;
+      else if (stats.settled_since < 0)
+        stats.settled_since = state.step;
+      stats.speed.add(v);
+      stats.speed_share = std::max(stats.speed_share, share(v, model.lowerVelocityLimit[joint.iv],
+                                                            model.upperVelocityLimit[joint.iv]));
+      stats.margin = std::min(
+          {stats.margin, q - model.lowerPositionLimit[joint.iq], model.upperPositionLimit[joint.iq] - q});
+      if (k == 0) continue;  // no effort leads to step 0
+      const double tau = state.tau[joint.iv];
+      stats.effort.add(tau);
+      stats.effort_share = std::max(
+          stats.effort_share, share(tau, model.lowerEffortLimit[joint.iv], model.upperEffortLimit[joint.iv]));
     }
-    out.handbook_error += std::sqrt(squares) / run.model.nq;
+    out.handbook_error += std::sqrt(squares) / model.nq;
   }
   out.handbook_error /= static_cast<double>(run.states.size());
   return out;
