@@ -13,7 +13,7 @@ namespace lab::render {
 struct Camera {
   Eigen::Vector3d eye{2, -2, 1.5}, target{0, 0, 0.4}, up{0, 0, 1};
   double fov = 0.7;   // vertical field of view, radians
-  double height = 0;  // above 0: orthographic, with a picture this many metres high; fov means nothing then
+  double height = 0;  // above 0: orthographic, with a picture this many metres high; fov is then ignored
 
   bool orthographic() const { return height > 0; }
   // World to camera axes: x right, y up, z towards the viewer (the camera looks along its own -z).
@@ -27,11 +27,11 @@ struct Camera {
   Eigen::Vector3d pixel(const Eigen::Vector3d& point, int width, int rows) const;
 };
 
-// From where to look, without a scene yet: what experiments and command lines name.
+// A viewing direction, independent of a scene: what experiments and command lines name.
 struct View {
   double azimuth = -0.70;     // of the eye seen from the scene, radians about z: 0 = from +x, pi/2 = from +y
   double elevation = 0.40;    // of the eye above the horizon, radians; pi/2 = from above, with +y up
-  double distance = 1;        // times the distance from which everything just fits
+  double distance = 1;        // in units of the distance from which everything just fits
   double orbit = 0;           // radians a second by which the azimuth grows
   bool orthographic = false;  // no perspective
 };
@@ -41,17 +41,17 @@ struct View {
 const std::vector<std::string>& view_names();
 View view_from_name(const std::string& name);
 
-// A camera that sees the whole box in a picture of the given aspect, with some air around it; a turning view
+// A camera that sees the whole box in a picture of the given aspect, with a margin; an orbiting view
 // sees it at every angle. To keep one camera for a whole run, extend one box over all its poses. An empty box
 // counts as one metre around the origin. Throws std::invalid_argument for a box, view or aspect that is not
 // finite.
 Camera auto_frame(const Bounds& box, const View& view, double aspect = 4.0 / 3);
 Camera auto_frame(const Bounds& box, const std::string& view = "iso", double aspect = 4.0 / 3);
 
-// The camera swung about the vertical through its target: an orbit is turned(framed, view.orbit * seconds).
+// The camera rotated about the vertical through its target: an orbit is turned(framed, view.orbit * seconds).
 Camera turned(const Camera& camera, double radians);
-// The camera carried along by a rigid motion of the world: with a translation alone it follows a frame
-// without turning; with (frame now) * (frame then).inverse() it is mounted on it.
+// The camera moved by a rigid motion in the world: with a translation alone it follows a frame
+// without rotating; with (frame now) * (frame then).inverse() it is mounted on it.
 Camera moved(const Camera& camera, const Eigen::Isometry3d& motion);
 
 }  // namespace lab::render

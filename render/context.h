@@ -1,5 +1,5 @@
-// Where OpenGL comes from, without a screen: OSMesa (software), or EGL on Mesa's surfaceless platform (software
-// too where there is no GPU; Mesa 25.1 ends OSMesa). Both are looked for at run time. Everything is
+// Creates an OpenGL context without a screen: with OSMesa (software), or EGL on Mesa's surfaceless platform (also
+// software without a GPU; Mesa 25.1 has no OSMesa). Both libraries are loaded at run time. Everything is
 // drawn into frame buffer objects, so a context needs no surface.
 #pragma once
 

@@ -32,8 +32,8 @@ class Program {
  private:
   int location(const char* uniform) const;
   const char* name_;
-  unsigned id_ = 0;                                         // dies with its context
-  mutable std::unordered_map<std::string, int> locations_;  // of uniforms: asking GL each time is slow
+  unsigned id_ = 0;                                         // freed with its context
+  mutable std::unordered_map<std::string, int> locations_;  // of uniforms: a query per call is slow
 };
 
 // Both throw std::runtime_error when GL cannot. 0 stands for "none".

@@ -1,5 +1,5 @@
 // The entry points of OpenGL 3.3 core that the renderer uses, by their usual names, found at run time:
-// neither OSMesa nor EGL is linked, whichever is there is taken (context.h).
+// neither OSMesa nor EGL is linked, the one that is found is used (context.h).
 #pragma once
 
 #include <GL/glcorearb.h>
@@ -30,7 +30,7 @@ class Gl : public GlEntry {
   operator Function() const { return reinterpret_cast<Function>(address_); }
 };
 
-// One more function: one more line.
+// To add a function, add a line.
 inline Gl<PFNGLACTIVETEXTUREPROC> glActiveTexture{"glActiveTexture"};
 inline Gl<PFNGLATTACHSHADERPROC> glAttachShader{"glAttachShader"};
 inline Gl<PFNGLBINDBUFFERPROC> glBindBuffer{"glBindBuffer"};

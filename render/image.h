@@ -18,7 +18,7 @@ struct Image {
   const uint8_t* at(int x, int y) const { return rgb.data() + (static_cast<size_t>(y) * width + x) * 3; }
 };
 
-// What a camera measures, one value a pixel, exactly at its centre: no anti-aliasing. Rows from the top.
+// What a camera measures, one value per pixel, at the pixel's exact centre: no anti-aliasing. Rows from the top.
 struct Measurement {
   int width = 0, height = 0;
   std::vector<float> depth;  // metres along the view direction; infinity where nothing is seen
@@ -32,8 +32,8 @@ struct Measurement {
 std::vector<uint16_t> quantized(const std::vector<float>& depth, double unit = 0.001);
 
 // Writes `text` with its top left corner at (x, y), in a built-in 5x7 bitmap font enlarged `scale` times;
-// clipped at the edges. One character is 6 * scale wide and 9 * scale high, of which 2 hang below the line. What
-// the font lacks is drawn as a box.
+// clipped at the edges. One character is 6 * scale wide and 9 * scale high, of which 2 hang below the line. Characters
+// that the font lacks are drawn as a box.
 void draw_text(Image& image, int x, int y, const std::string& text, int scale, const uint8_t (&colour)[3]);
 
 // The picture made smaller by a whole factor: averages of factor x factor pixels; what is left over at the

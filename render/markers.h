@@ -11,7 +11,7 @@ namespace lab::render {
 // A ball: a bead on a trace, a target.
 Body make_bead(const Eigen::Vector3d& at, double radius, const Eigen::Vector4f& rgba);
 
-// An arrow from `tail` along `vector` (metres), `radius` its shaft's; a short one is all head. A zero vector
+// An arrow from `tail` along `vector` (metres), with a shaft of `radius`; a short one has only a head. A zero vector
 // gives a body with nothing to draw.
 Body make_arrow(const Eigen::Vector3d& tail, const Eigen::Vector3d& vector, double radius,
                 const Eigen::Vector4f& rgba);
@@ -24,7 +24,7 @@ Body make_com(const Eigen::Vector3d& at, double radius);
 
 // A colour on the way from blue through violet to red, for t in 0..1 (clamped): time, first to last.
 Eigen::Vector4f ramp_time(double t);
-// A colour on the way from dark violet through teal to yellow (clamped; every step looks alike to the eye):
+// A colour on the way from dark violet through teal to yellow (clamped; perceptually uniform):
 // speeds and errors.
 Eigen::Vector4f ramp_value(double t);
 

@@ -22,7 +22,7 @@ class MeshStore {
  public:
   const Buffers& get(const MeshPtr& mesh);
   unsigned get(const std::shared_ptr<const Texture>& texture);
-  // A new mesh may get the address of a dead one: call this before get() in every frame.
+  // A new mesh may get the address of a freed one: call this before get() in every frame.
   void forget_dead();
 
  private:

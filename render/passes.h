@@ -17,9 +17,9 @@ class Passes {
  public:
   explicit Passes(bool shadow);
 
-  // Sky and floor, once per pixel: their edges are soft by their own arithmetic.
+  // Sky and floor, once per pixel: their shaders smooth their own edges.
   void background(const ViewFrame& view, const Ground& ground);
-  // What the sun sees, and what that leaves dark on the floor.
+  // The depth map seen from the sun, and the shadow that it gives on the floor.
   void shadow_map(const ViewFrame& view, const Items& items);
   void floor_shadow(const ViewFrame& view, const Scene& scene, unsigned shadow_map);
   // The floor as depth alone: it hides what is under it.

@@ -38,7 +38,7 @@ class Renderer {
   // Depth and ids of the same view. Annotations are left out, translucent bodies count as solid.
   Measurement measure(const Scene& scene, const Camera& camera);
 
-  // Who draws, for manifests: "OSMesa, llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa 22.3.6".
+  // The OpenGL in use, for manifests: "OSMesa, llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa 22.3.6".
   const std::string& gl_info() const;
 
  private:

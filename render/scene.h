@@ -17,7 +17,7 @@ struct Part {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // part in its body
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();         // applied to the mesh first; may mirror
   Eigen::Vector4f rgba =
-      Eigen::Vector4f(.75f, .76f, .78f, 1);  // of surfaces that bring no colour of their own
+      Eigen::Vector4f(.75f, .76f, .78f, 1);  // of surfaces that have no colour of their own
   bool repaint = false;                      // rgba also replaces the mesh's own colours
   uint16_t id = 0;  // its pixels in the id image; 0 = as the background and the floor
 };
@@ -28,11 +28,11 @@ struct Body {
   std::vector<Part> parts;
   bool visible = true;
   bool casts_shadow = true;
-  bool annotation = false;  // something said about the scene (trace, arrow): not in depth and id images
+  bool annotation = false;  // explains the scene to a viewer (trace, arrow): not in depth and id images
   Eigen::Vector4f tint{1, 1, 1, 0};  // rgb laid over the body's colours; alpha = how much of it
   float opacity = 1;                 // of the body as a whole
-  // Translucent bodies of one group other than 0 are one piece of glass: a ghost robot shows no inside and no
-  // joints between its links. A body of group 0 is a piece of its own.
+  // Translucent bodies of one group other than 0 are one piece of glass: a ghost robot shows neither its inside
+  // nor the overlaps of its links. A body of group 0 is a piece of its own.
   int group = 0;
 };
 

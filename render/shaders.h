@@ -1,6 +1,6 @@
-// The renderer's GLSL. Light is added up in linear space; colours come in squared (a cheap stand-in for sRGB
-// decoding, done once per surface on the CPU) and leave through a square root. A body's shaders come in
-// variants: SHADOW with a shadow map, TEXTURE and COLOURS for meshes that bring these.
+// The renderer's GLSL. Lighting is computed in linear space; input colours are squared (a cheap approximation of sRGB
+// decoding, once per surface on the CPU), and the output is the square root. A body's shaders have variants:
+// SHADOW with a shadow map, TEXTURE and COLOURS for meshes that have them.
 #pragma once
 
 namespace lab::render::shaders {
@@ -15,12 +15,12 @@ extern const char* const kDepthFragment;
 // Metres along the view direction and an id.
 extern const char* const kMeasureVertex;
 extern const char* const kMeasureFragment;
-// The floor: grid lines of constant width on screen that fade where they would crowd, and into the sky far
+// The floor: grid lines of constant width on screen that fade where they get too dense, and into the sky far
 // away.
 extern const char* const kFloorVertex;
 extern const char* const kFloorFragment;
 extern const char* const kFloorMeasureFragment;
-// The shadow on it, softer the farther it falls: a factor.
+// The shadow on the floor as a factor, softer with distance from the caster.
 extern const char* const kFloorShadowFragment;
 // A gradient over the elevation of the line of sight.
 extern const char* const kSkyVertex;

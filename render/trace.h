@@ -40,14 +40,14 @@ class Trace {
   size_t piece_rings_;
   std::vector<MeshPtr> pieces_;
   Mesh open_;                                // the piece at the end
-  std::optional<Point> last_;                // its rings wait for the direction in which the tube goes on
+  std::optional<Point> last_;                // its rings are added when the next point is known
   bool first_ = true;                        // whether last_ is the first point
   Eigen::Vector3d into_{0, 0, 0};            // direction towards last_; 0 at the first point
-  Eigen::Vector3d x_{0, 0, 0}, y_{0, 0, 0};  // axes of a ring, carried along without twist
+  Eigen::Vector3d x_{0, 0, 0}, y_{0, 0, 0};  // axes of a ring, transported without twist
 };
 
 // A trace through all points as one mesh: one colour for each point, or one for all. Throws as Trace does, and
-// std::invalid_argument for another number of colours. A radius of 0.004 times the picture's width in metres looks well.
+// std::invalid_argument for any other number of colours. A radius of 0.004 times the picture's width (m) looks good.
 Body make_trace(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector4f>& colours,
                 double radius);
 

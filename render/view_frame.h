@@ -8,7 +8,7 @@
 namespace lab::render {
 
 struct ViewFrame {
-  Eigen::Vector4d eye;  // its place and 1; orthographic: the direction towards it and 0
+  Eigen::Vector4d eye;  // homogeneous: position and 1; orthographic: the direction towards it and 0
   Eigen::Vector3d sun;  // unit vector towards it
   Eigen::Matrix4d clip_from_world;
   Eigen::Matrix4d ray_from_clip;     // directions of lines of sight, for the sky
@@ -23,7 +23,7 @@ struct ViewFrame {
 };
 
 // Checks camera, light and ground: throws std::invalid_argument that names what is wrong. `all`: the box
-// around all bodies, so that none is cut off behind.
+// around all bodies, so that the far plane cuts none.
 ViewFrame make_view_frame(const Scene& scene, const Camera& camera, const Bounds& all, int width, int height);
 
 // The pixels (x, y, width, height; from the lower left corner) that a box may cover, somewhat more than

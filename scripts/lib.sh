@@ -29,10 +29,10 @@ if [ -t 2 ] && [ -z "${NO_COLOR:-}" ] && [ "${TERM:-dumb}" != dumb ]; then
   bold=$'\e[1m' red=$'\e[31m' green=$'\e[32m' dim=$'\e[2m' plain=$'\e[0m'
 fi
 
-# Chatter goes to stderr: stdout is for data.
+# Messages go to stderr: stdout is for data.
 say() { printf '%s\n' "$*" >&2; }
 
-# die CODE WORDS..: one clear line and the exit code of the contract.
+# die CODE WORDS..: prints one line on stderr and exits with CODE.
 die() {
   printf '%s: %s%s%s\n' "$verb" "$red" "${*:2}" "$plain" >&2
   exit "$1"
@@ -41,13 +41,13 @@ die() {
 # The header comment of a verb is its help.
 help() { sed -n '2,${/^#/!q; s/^# \{0,1\}//p}' "$0"; }
 
-# usage_error WORDS..: exit 2 with the way to help.
+# usage_error WORDS..: exits with 2 and points to --help.
 usage_error() { die 2 "$* (see: scripts/$verb --help)"; }
 
 # need_value OPTION COUNT: exits with 2 when no argument follows the option.
 need_value() { [ "$2" -ge 2 ] || usage_error "$1 needs a value"; }
 
-# need_programs NAME..: exits with 2 and the remedy when one of them is not built.
+# need_programs NAME..: exits with 2, and says how to build them, when one of them is not built.
 need_programs() {
   local p
   for p; do
@@ -61,7 +61,7 @@ pause() {
   read -rt "$1" -u "$pause_pipe" || true
 }
 
-# near_names WORD CANDIDATE..: the candidates that WORD may be a misspelling of, on one line.
+# near_names WORD CANDIDATE..: prints the candidates that are similar to WORD, on one line.
 near_names() {
   local word=$1 candidate near=()
   shift
@@ -171,7 +171,7 @@ empty_run_folder() {
 point_latest() { ln -sfn "$(basename "$dir")" "$LAB_RUNS/.latest.$$" && mv -T "$LAB_RUNS/.latest.$$" "$LAB_RUNS/latest"; }
 
 # A run holds a lock on its own folder while it runs: there is no lock file, and the kernel always releases the lock.
-# (The test takes a shared lock for a moment, so that two tests at once do not see each other.)
+# (The check takes a shared lock for a moment, so that two checks at once do not fail each other.)
 run_is_alive() { ! flock -sn "$1" true; }
 
 # --- running labs ----------------------------------------------------------------------------------------------------
@@ -185,7 +185,7 @@ running_labs() {
   done
 }
 
-# pick_lab ARGS..: takes `--lab RUN` out of the arguments: sets rest to the others and lab_dir to the folder of that
+# pick_lab ARGS..: removes `--lab RUN` from the arguments: sets rest to the others and lab_dir to the folder of that
 # lab. RUN is a folder or a name under runs/; without it, LAB_RUN or the only lab that runs.
 pick_lab() {
   local wanted=${LAB_RUN:-}
@@ -250,8 +250,8 @@ send_to_lab() {
   enter_lab "$lab_dir" lab-send "$name" "${rest[@]}"
 }
 
-# A script's background job ignores INT, and bash cannot trap a signal that was ignored when it started: starts this
-# script again with the default action.
+# restore_interrupts ARGS..: when this script ignores INT (it is a background job of a script), restarts it with the
+# default action: bash cannot trap a signal that was ignored when bash started.
 restore_interrupts() {
   local ignored
   ignored=$(sed -n 's/^SigIgn:[[:space:]]*//p' /proc/self/status)

@@ -20,8 +20,8 @@ struct Run {
   std::vector<RobotState> states;     ///< by step, step 0 first: the true ones
   std::vector<Reference> references;  ///< for the same steps
   // J, one entry a state, empty = none (procs/simulator/replay.h)
-  std::vector<double> stored_energy;  ///< beside the model's own
-  std::vector<double> external_work;  ///< of disturbances, over the step that led to the state
+  std::vector<double> stored_energy;  ///< in addition to the model's own
+  std::vector<double> external_work;  ///< by disturbances, over the step that led to the state
   int64_t last_step = 0;              ///< that the experiment asks for
   bool aborted = false;
   std::string reason;  ///< of the abort

@@ -11,7 +11,7 @@
 
 namespace lab {
 
-/// Which way a metric is better.
+/// Which values of a metric are better.
 enum class Better { Less, More, Neither };
 
 struct Metric {

@@ -1,4 +1,4 @@
-// Reads a run back from its log.lcm, which explains itself: RUN has the experiment and the robot.
+// Reads a run back from its log.lcm, which is self-contained: RUN has the experiment and the robot.
 #pragma once
 #include <string>
 
@@ -15,8 +15,8 @@ struct LoggedRun {
 };
 
 /// Throws std::runtime_error with one line: no such file, no RUN, a message that the guard refuses, ..
-/// With noise or delay the states are the true ones, folded from the log's commands; a log from which they do not
-/// follow is refused. A log without END counts as aborted.
+/// With noise or delay the states are the true ones, recomputed from the log's commands; a log that this does not
+/// reproduce is refused. A log without END counts as aborted.
 LoggedRun read_run(const std::string& log);
 
 }  // namespace lab

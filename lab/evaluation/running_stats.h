@@ -1,4 +1,4 @@
-// Statistics of one quantity that grow value by value, and numbers as JSON takes them.
+// Running statistics of one quantity, and numbers as JSON values.
 #pragma once
 #include <algorithm>
 #include <cmath>

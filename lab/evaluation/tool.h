@@ -1,4 +1,4 @@
-// Where the tool is, and where the reference has it: forward kinematics of q and of q_ref.
+// Poses of the tool, actual and reference: forward kinematics of q and of q_ref.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

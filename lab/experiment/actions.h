@@ -11,7 +11,7 @@
 
 namespace lab {
 
-/// A process takes the actions that name it; of the others the planner takes goals, the simulator everything else.
+/// An action that names a process is for that one; of the others, goals are for the planner, all else for the simulator.
 inline bool is_for(const Action& action, std::string_view process) {
   if (action.verb == "goal") return process == "planner";  // its target is a frame
   for (std::string_view named : {"simulator", "planner", "controller"})
@@ -25,10 +25,10 @@ inline Event ignored(const Action& action, const std::string& process, const std
   return {"action_ignored", process, "'" + what + "': " + why};
 }
 
-/// Why this robot cannot do that in this experiment, for a REPLY that refuses it; empty if it can.
+/// Why the action is refused for this robot and experiment (the text of REPLY); empty if it is accepted.
 std::string why_not(const Experiment&, const rbd::Model&, const Action&);
 
-/// The same for what needs only the robot.
+/// The same for actions that depend on the robot alone.
 std::string push_fault(const rbd::Model&, const Action&);
 std::string payload_fault(const rbd::Model&, const Action&);
 

@@ -1,5 +1,5 @@
-// Goals for a frame instead of joints. The INPUT carries the frame's goal; simulator (which refuses the impossible) and
-// planner find the joints for it with the same pure function, so that the log alone explains what follows.
+// Goals for a frame instead of joints. The INPUT carries the frame's goal; simulator (which refuses unreachable goals)
+// and planner solve the inverse kinematics with the same pure function, so that the log alone determines the result.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -9,8 +9,8 @@
 
 namespace lab {
 
-/// True if a goal names a frame, its target: values are then the frame's position in the world (m), and after it, when
-/// its orientation is asked for too, a unit quaternion (xyzw).
+/// True for a goal of a frame, which is its target: its values are the frame's position in the world (m) and, if the
+/// orientation is given too, a unit quaternion (xyzw).
 inline bool is_cartesian(const Action& action) { return action.verb == "goal" && !action.target.empty(); }
 
 struct Found {
@@ -18,9 +18,9 @@ struct Found {
   std::string fault;  ///< why there is none, and how far the nearest is from the target; empty if there is
 };
 
-/// A configuration for it. First from `from` on (may be null), as near to it as the target allows; if that leads nowhere,
-/// from neutral and then from random configurations, always the same ones: so every process finds a configuration for
-/// what the simulator, which does not know `from`, has accepted.
+/// A configuration that reaches the goal. Starts at `from` (may be null) and stays as near to it as the target allows; if
+/// that fails, starts at neutral, then at random configurations, always the same ones: so every process finds a
+/// configuration for every goal that the simulator, which has no `from`, has accepted.
 Found find_configuration(const rbd::Model&, const Action&, const Eigen::VectorXd* from);
 
 }  // namespace lab

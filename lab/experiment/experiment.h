@@ -57,13 +57,13 @@ struct PlannedPayload {
 
 struct Experiment {
   std::string name;      ///< of the run; the file's name without .yaml unless given
-  int64_t seed = 0;      ///< of everything random
+  int64_t seed = 0;      ///< of all random numbers
   double ready = 10;     ///< s of wall time for all processes to become READY
   double deadline = 10;  ///< s of wall time without progress that end the run
 
   struct Robot {
     std::string
-        model;  ///< builtin:manipulator, builtin:humanoid, a file, package://...; "urdf" = text comes apart
+        model;  ///< builtin:manipulator, builtin:humanoid, a file, package://...; "urdf" = text is separate
     JointValues armature;                ///< kg m2 (kg): rotor inertia, known to every process
     bool mimic = true;                   ///< false: mimic joints are free
     bool floating_base = false;          ///< true: the root link floats
@@ -83,10 +83,10 @@ struct Experiment {
     std::array<double, 3> gravity{0, 0, -9.81};      ///< m/s2
     bool allow_fall = false;
     struct Noise {
-      JointValues q, v;  ///< standard deviation of what the sensors say: rad, m; rad/s, m/s
+      JointValues q, v;  ///< standard deviation of the sensors' noise: rad, m; rad/s, m/s
       bool operator==(const Noise&) const = default;
     } noise;
-    double delay = 0;  ///< s: how old what the sensors say is
+    double delay = 0;  ///< s: age of the sensor values
     std::vector<PlannedPush> pushes;
     std::vector<PlannedPayload> payloads;
     struct LimitRepulsion {
@@ -147,8 +147,8 @@ struct Experiment {
     std::array<int64_t, 2> size{640, 480};
     std::string camera = "iso";
     bool orthographic = false;  ///< no perspective
-    double orbit = 0;           ///< rad/s: the camera goes round
-    std::string follow;         ///< frame that the camera goes along with
+    double orbit = 0;           ///< rad/s: the camera circles the robot
+    std::string follow;         ///< frame that the camera moves with
     std::string quality = "live";
     int64_t ghost = 0;       ///< poses in ghost.png; 0 = no such picture
     std::string trace;       ///< frame whose trajectory is drawn
@@ -174,7 +174,7 @@ struct Experiment {
     bool operator==(const Evaluation&) const = default;
   } evaluation;
 
-  std::map<std::string, std::string> processes;  ///< name: command that takes the place of the usual one
+  std::map<std::string, std::string> processes;  ///< name: command that replaces the default one
   std::map<std::string, Bound> expect;           ///< metric: bound
 
   /// Where each given key stands ("FILE:LINE" or "--set"), for messages; `file` for the rest.
@@ -183,7 +183,7 @@ struct Experiment {
 
   /// Number of the last step.
   int64_t last_step() const;
-  /// Equal in everything that counts; `where` and `file` are only about the text.
+  /// Compares all values, but not `where` and `file`, which are about the text.
   bool operator==(const Experiment& other) const;
 };
 

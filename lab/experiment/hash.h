@@ -1,4 +1,4 @@
-// XXH3, 64 bits: not cryptographic; tells texts and files apart.
+// XXH3, 64 bits: not cryptographic; identifies texts and files.
 #pragma once
 #include <cstdint>
 #include <string>

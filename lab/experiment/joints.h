@@ -40,8 +40,8 @@ std::string frame_fault(const rbd::Model&, const std::string& name);
 /// Name of the joint that velocity entry i belongs to.
 const std::string& joint_at(const rbd::Model&, int i);
 
-/// Keeps tau (nv) within the joints' effort limits, a floating base at 0: nothing drives it. `cut` (nv) says where it was
-/// outside; where that begins there is an event `what` (of a base: "base_effort_ignored").
+/// Clamps tau (nv) to the joints' effort limits, and to 0 for a floating base, which has no motors. `cut` (nv) marks the
+/// clamped entries; when that begins there is an event `what` (for a base: "base_effort_ignored").
 void cut_effort(const rbd::Model&, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut,
                 std::vector<Event>&);
 

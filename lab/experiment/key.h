@@ -1,4 +1,4 @@
-// What is known of one key of an experiment: a row of the tables in keys.h and gains.h.
+// The description of one key of an experiment: a row of the tables in keys.h and gains.h.
 #pragma once
 #include <limits>
 #include <string>
@@ -15,7 +15,7 @@ struct Key {
   const char* standard;  ///< the default, in words
   const char* doc;
   double min = -kInf, max = kInf;    ///< of every number
-  std::vector<std::string> words{};  ///< that a text may be; empty = any
+  std::vector<std::string> words{};  ///< allowed values of a text; empty = any
   bool canonical = true;             ///< part of RUN's text: can change what is logged
 
   Key one_of(std::vector<std::string> all) && {

@@ -1,4 +1,4 @@
-// The table of all keys of an experiment: reader, writers, near names and docs/experiments.md come from it. A new key is
+// The table of all keys of an experiment: reader, writers, suggestions and docs/experiments.md use it. A new key is
 // a member of Experiment and one row here; the controller's gains are in gains.h.
 #pragma once
 #include <concepts>
@@ -13,7 +13,7 @@ namespace lab {
 
 inline constexpr const char* kMustBeGiven = "must be given";
 
-/// The same for what stands in one item of a list.
+/// Calls f(key, member) for every key of one item of a list.
 template <class P, class F>
   requires std::same_as<std::remove_const_t<P>, PlannedPush>
 void for_each_part(P& push, F&& f) {

@@ -14,16 +14,16 @@ namespace lab {
 
 using LiveGains = GainValues<Eigen::VectorXd>;
 
-/// The experiment's. Throws ExperimentError for values that do not fit the model.
+/// The gains of the experiment. Throws ExperimentError for values that do not fit the model.
 LiveGains live_gains(const Experiment&, const rbd::Model&);
 
 /// kp, kd, ..: as `set controller` names them.
 std::vector<std::string> gain_keys();
 
-/// Why these numbers cannot be this gain; empty if they can.
+/// Why the gain action.key cannot have the action's values; empty if it can.
 std::string gain_fault(const rbd::Model&, const Action&);
 
-/// Gives the gain action.key the action's values. Returns why not (gain_fault), or "".
+/// Sets the gain action.key to the action's values. Returns "", or why it is refused (gain_fault).
 std::string set_gain(const rbd::Model&, LiveGains&, const Action&);
 
 }  // namespace lab

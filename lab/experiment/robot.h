@@ -1,4 +1,4 @@
-// The robot of an experiment, as every process must see it.
+// The robot of an experiment: the same model in every process.
 #pragma once
 #include <rbd/model/geometry.h>
 #include <rbd/model/model.h>
@@ -32,7 +32,7 @@ Robot load_robot(const Experiment&, const std::string& urdf, const std::string& 
 /// it.
 std::string find_model(const Experiment&);
 
-/// The same robot with some joints welded where they stand (rad, m); all frames are kept. Shapes move along.
+/// Welds some joints at the positions in `where` (rad, m). All frames are kept; shapes stay on their bodies.
 void lock_joints(rbd::Model&, rbd::GeometryModel&, const std::map<std::string, double>& where);
 
 }  // namespace lab

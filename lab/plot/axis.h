@@ -19,7 +19,7 @@ class Axis {
   /// 0 at the low end, 1 at the high end; NaN for what a logarithmic axis cannot show.
   double share(double value) const;
   double at(double value) const { return from_ + share(value) * (to_ - from_); }
-  /// At most about `most` of them at round values; on a logarithmic axis at powers of ten, or at 1, 2, 5 between few.
+  /// About `most` ticks at most, at round values; on a logarithmic axis at powers of ten, if these are few also between.
   std::vector<Tick> ticks(size_t most) const;
 
  private:
@@ -30,12 +30,12 @@ class Axis {
   bool logarithmic_;
 };
 
-/// Room around the data. Values that are all the same get some, too, and so do those that six digits cannot tell apart.
+/// The range with a margin on both sides, also if all values are equal or six digits cannot tell them apart.
 std::pair<double, double> padded(std::pair<double, double> range, double share = 0.06);
 /// The same for a logarithmic axis.
 std::pair<double, double> padded_logarithmic(std::pair<double, double> range);
 
-/// All above 0 and over more than a factor of 50: a logarithmic scale shows more.
+/// True if all values are above 0 and span more than a factor of 50.
 bool suits_logarithm(std::pair<double, double> range);
 
 }  // namespace lab::plot

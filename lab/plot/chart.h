@@ -31,14 +31,14 @@ struct Tick {
 };
 
 struct Chart {
-  std::string title;  ///< for readers that cannot see it
+  std::string title;  ///< for screen readers
   int width = 350, height = 170;
   std::string x_label = "time (s)";
-  std::string y_label{};  ///< along the upright axis; usually the caption above the chart has it
+  std::string y_label{};  ///< along the vertical axis; usually the caption above the chart has it
   std::vector<Curve> curves{};
   std::vector<Mark> marks{};
-  std::vector<double> must_include_x{}, must_include_y{};  ///< values that the axes reach in any case
-  std::vector<double> levels{};                    ///< dashed lines across, drawn where they are in range
+  std::vector<double> must_include_x{}, must_include_y{};  ///< values that the axes always include
+  std::vector<double> levels{};                    ///< horizontal dashed lines, drawn where they are in range
   std::vector<std::pair<double, double>> bands{};  ///< shaded between two heights
   std::vector<Tick> x_ticks{};                     ///< used if they fit, in place of round numbers
   bool categories = false;  ///< x_ticks are names without a scale: if they do not fit, every n-th is drawn
@@ -63,7 +63,7 @@ struct UnitScale {
   std::string unit;
 };
 UnitScale unit_scale(double largest, const std::string& unit);
-/// Multiplies everything upright.
+/// Multiplies all y values.
 void rescale(Chart&, double factor);
 
 }  // namespace lab::plot

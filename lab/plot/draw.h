@@ -21,13 +21,13 @@ struct HeatMap {
     bool marked = false;  ///< a small cross in the corner
     std::string tooltip;
   };
-  std::string title;  ///< for readers that cannot see it
+  std::string title;  ///< for screen readers
   std::string x_name, y_name, value_name;
   std::vector<std::string> columns, rows;  ///< their labels
   std::vector<Cell> cells;                 ///< row by row, the first row at the bottom
 };
 
-/// Colours are logarithmic when that shows more.
+/// The colour scale is logarithmic when the range suits it.
 std::string draw(const HeatMap&);
 
 }  // namespace lab::plot

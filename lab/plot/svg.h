@@ -1,4 +1,4 @@
-// The elements of SVG that plots are made of. Numbers have a tenth of a pixel.
+// The elements of SVG that plots are made of. Coordinates are rounded to a tenth of a pixel.
 #pragma once
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ inline std::string open(int width, double height, const std::string& title) {
                      page::escape(title));
 }
 
-/// The end of an element, with words that the pointer shows; none if empty.
+/// The end of an element, with a tooltip unless that is empty.
 inline std::string close(const char* tag, const std::string& tooltip) {
   return tooltip.empty() ? "/>\n" : "><title>" + page::escape(tooltip) + "</title></" + tag + ">\n";
 }

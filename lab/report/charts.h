@@ -13,7 +13,7 @@
 
 namespace lab::report {
 
-/// A chart and what stands above it.
+/// A chart and its heading.
 struct Panel {
   std::string caption, unit;
   plot::Chart chart;
@@ -53,7 +53,7 @@ void ink(plot::Curve&, size_t i);
 /// Buckets for thin(), such that a page of so many curves stays small.
 size_t buckets_for(size_t curves);
 
-/// us that this share (0..1) of the loops did not exceed, to the end of its bin.
+/// us: quantile of the loop times, share in 0..1, rounded up to the end of its bin.
 int64_t loop_quantile(const Loops&, double share);
 
 }  // namespace lab::report

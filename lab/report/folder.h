@@ -1,4 +1,4 @@
-// What a run folder holds, as far as it is there.
+// The content of a run folder; any part of it may be missing.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,7 +19,7 @@ struct Note {
 /// How long a process took for a loop: a wake-up and all that followed from it. By the wall clock, from telemetry.lcm.
 struct Loops {
   std::string process;
-  std::vector<int64_t> counts;  ///< by bin of wire/protocol/loop_bins.h; all of its starts added
+  std::vector<int64_t> counts;  ///< by bin of wire/protocol/loop_bins.h; summed over its restarts
   int64_t overruns = 0;
   double late_p50 = 0, late_p99 = 0, late_max = 0;  ///< us, of ticks in real time; 0 if it has none
 };
@@ -29,14 +29,14 @@ struct Folder {
   std::optional<LoggedRun> logged;       ///< nothing: see no_log
   std::string no_log;                    ///< why not, in one line
   std::optional<Experiment> experiment;  ///< every key: experiment.yaml, or what the log has of it
-  nlohmann::json metrics;                ///< evaluate() of it; null without
+  nlohmann::json metrics;                ///< evaluate() of the log; null without one
   std::vector<Note> notes;               ///< in the order of the log
   std::vector<Loops> loops;              ///< by name
   nlohmann::json manifest;               ///< null if there is none
   std::string experiment_text;           ///< experiment.yaml; empty if there is none
   std::vector<std::string> pictures;     ///< PNG files' bytes: the contact sheet, or some frames
   size_t frames = 0;                     ///< in frames/
-  /// Of processes that ended badly: name, and the last lines of their output.
+  /// Of processes that failed: name, and the last lines of their output.
   std::vector<std::pair<std::string, std::string>> last_lines;
 };
 

@@ -1,4 +1,4 @@
-// From an experiment to RUN and TYPE, and from RUN back to what a process needs.
+// Makes RUN and TYPE from an experiment, and from RUN what a process needs.
 #pragma once
 #include <lab/run_t.hpp>
 #include <string>
@@ -27,8 +27,8 @@ RunSetup setup_of(const RunView& run);
 /// The encoded TYPE messages of a run, sorted by name: one for each type that log.lcm may hold.
 std::vector<Bytes> type_messages(int64_t run);
 
-/// Reads the whole steps that a run's log has so far, for a process that restarts. Only messages of that run are given; without a
-/// file there are none.
+/// Reads the whole steps that a run's log has so far, for a process that restarts. Messages of other
+/// runs are skipped; without a file there are none.
 ReadLog log_reader(const std::string& log_path);
 
 }  // namespace lab

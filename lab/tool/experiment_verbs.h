@@ -1,4 +1,4 @@
-// What the verbs of lab-experiment do, reports and sweeps apart: one function each. They return the exit code, and
+// The verbs of lab-experiment, one function each (`sweep` is in sweep_verb.h). They return the exit code, and
 // throw for bad experiments, robots and files.
 #pragma once
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace lab {
 
-/// The words of the command line, of all verbs together.
+/// The command-line options of all verbs.
 struct Options {
   std::vector<std::string> files, set, exits;
   std::string file, out, run_dir = ".", restart = "never";

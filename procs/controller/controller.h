@@ -1,6 +1,6 @@
 // The controller: joint effort from state and reference, a pure function of config, state and input.
-// A new controller is one function and one row of a table (laws.cc, or one of your own: docs/extend.md). It knows its own
-// model, which may be wrong on purpose (own_model.h). Nothing drives a floating base: its entries are 0.
+// A new controller is one function and one row of a table (laws.cc, or one of your own: docs/extend.md). It uses its own
+// model, which may deviate on purpose (own_model.h). A floating base is not actuated: its entries are 0.
 #pragma once
 #include <rbd/algorithm/data.h>
 
@@ -18,7 +18,7 @@ struct Config;
 struct State;
 struct Input;
 
-/// Writes tau (nv). `e` and `e_dot` (state) are the errors of q and v.
+/// Writes tau (nv). State::e and e_dot, already computed, are the errors of q and v.
 using Law = void (*)(const Config&, State&, const Input&, Eigen::VectorXd& tau);
 /// Looks up what only this kind needs; throws ExperimentError.
 using Prepare = void (*)(const Experiment&, Config&);
@@ -30,7 +30,7 @@ struct Kind {
   Prepare prepare = nullptr;  ///< may be null
 };
 
-/// none, pd, pd_gravity, computed_torque, cartesian_impedance, com_velocity.
+/// The table of laws.cc: none, pd, ..
 std::span<const Kind> kinds();
 
 /// What `set controller KEY=..` can change while it runs: lab/experiment/gains.h lists them, live_gains.h changes them.
@@ -38,21 +38,21 @@ using Gains = LiveGains;
 
 struct Config {
   const Kind* kind = nullptr;
-  rbd::Model model;   ///< what the controller believes
-  Gains gains;        ///< at first
+  rbd::Model model;   ///< the controller's own, see own_model.h
+  Gains gains;        ///< initial
   double period = 0;  ///< s from one command to the next
   bool limit_effort = false;
   rbd::FrameIndex frame = 0;  ///< the tool; cartesian_impedance
 };
 
-/// Throws ExperimentError: unknown kind, gains that do not fit the model, a model error that names no body.
+/// Throws ExperimentError: unknown kind, gains that do not fit the model, a `controller.model` error for an unknown body.
 /// `more`: kinds of the caller's own, beside kinds(); they must outlive the config.
 Config make_config(const Experiment&, const rbd::Model&, std::span<const Kind> more = {});
 
 struct State {
   explicit State(const Config&);
   Gains gains;                ///< live
-  std::vector<bool> limited;  ///< nv: the last command was cut here
+  std::vector<bool> limited;  ///< nv: which entries of the last command were clamped
   Eigen::VectorXd memory;     ///< nv, 0 at first: what a law keeps from step to step, such as an integral
   rbd::Data data;             ///< scratch from here on
   Eigen::VectorXd e, e_dot, a, posture;
@@ -74,8 +74,8 @@ struct Output {
   std::vector<Event> events;
 };
 
-/// Takes the actions (`set controller kp|kd|..`), then computes the command. With limit_effort it is cut at the model's
-/// effort limits, with one event when that begins at a joint.
+/// Takes the actions (`set controller kp|kd|..`), then computes the command. With limit_effort it is clamped to the
+/// model's effort limits, with one event when that begins at a joint.
 Output step(const Config&, State&, const Input&);
 
 }  // namespace lab::controller

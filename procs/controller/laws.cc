@@ -43,7 +43,7 @@ using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 /// its largest eigenvalue are left out: there the joints cannot move the task.
 SmallVector solve(const Small& A, const SmallVector& b, double min_ratio) {
   const Eigen::SelfAdjointEigenSolver<Small> eigen(A);
-  const double floor = min_ratio * eigen.eigenvalues()[A.rows() - 1];  // they come in rising order
+  const double floor = min_ratio * eigen.eigenvalues()[A.rows() - 1];  // sorted, smallest first
   SmallVector x = SmallVector::Zero(A.rows());
   for (Eigen::Index i = 0; i < A.rows(); ++i)
     if (eigen.eigenvalues()[i] > floor)
@@ -51,7 +51,7 @@ SmallVector solve(const Small& A, const SmallVector& b, double min_ratio) {
   return x;
 }
 
-/// The rows of the Jacobian that a tool with these gains is held in: one without stiffness and damping is left free.
+/// The Jacobian rows (angular, linear) that the impedance controls: a part without stiffness and damping stays free.
 struct Rows {
   int first = 0, count = 0;
 };
@@ -64,7 +64,7 @@ Rows held_rows(const Gains& gains) {
 
 /// tau0 -= J^T Lambda J M^-1 tau0, Lambda = (J M^-1 J^T)^-1: the rest of tau0 does not accelerate the tool.
 void project(const Eigen::Ref<const Eigen::MatrixXd>& J, State& s, Eigen::VectorXd& tau0) {
-  constexpr double kOutOfReach = 1e-8;  // of squares: 1e-4 of the most mobile direction
+  constexpr double kOutOfReach = 1e-8;  // ratio of squares: mobility below 1e-4 of the best direction's
   auto MinvJt = s.minv_jt.leftCols(J.rows());
   MinvJt.noalias() = s.minv * J.transpose();
   Small mobility(J.rows(), J.rows());
@@ -108,8 +108,8 @@ void cartesian_impedance(const Config& c, State& s, const Input& in, Eigen::Vect
 // that move the centre of mass as wanted, the one nearest to u. tau = M(q) (a_ref + Kd (v_d - v)) + nle(q, v).
 void com_velocity(const Config& c, State& s, const Input& in, Eigen::VectorXd& tau) {
   // handbook 8.3 leaves out singular values below 1e-6 of the largest; in a loop that would ask for speeds of 1e6, so
-  // here a direction in which the joints move the centre of mass 100 times less than in the best one is left alone
-  constexpr double kOutOfReach = 1e-4;  // of squares
+  // here a direction in which the joints move the centre of mass 100 times less than in the best one is left out
+  constexpr double kOutOfReach = 1e-4;  // ratio of squares
   rbd::centerOfMass(c.model, s.data, in.reference.q, in.reference.v);
   const Eigen::Vector3d com_ref = s.data.com[0], com_speed_ref = s.data.vcom[0];
   rbd::jacobianCenterOfMass(c.model, s.data, in.state.q, s.com_jacobian);
@@ -143,7 +143,7 @@ void prepare_impedance(const Experiment& e, Config& c) {
              (near.empty() ? "; it has " + list_of(names) : near));
   }
   c.frame = c.model.frameId(tool);
-  try {  // M^-1 of what it believes: a joint without any inertia has none
+  try {  // M of the controller's model must be invertible: it is not if a joint moves no inertia
     rbd::Data data(c.model);
     rbd::computeMinverse(c.model, data, rbd::neutral(c.model));
   } catch (const std::exception& error) {

@@ -8,14 +8,14 @@ namespace lab::controller {
 namespace {
 
 struct Body {
-  rbd::JointIndex joint = 0;  // that it moves with
-  rbd::SE3 placement;         // of its axes, in the joint's
-  rbd::Inertia inertia;       // in its axes
+  rbd::JointIndex joint = 0;  // the joint that moves it
+  rbd::SE3 placement;         // of its frame in the joint's
+  rbd::Inertia inertia;       // in its frame
 };
 
 bool has_mass(const rbd::Inertia& inertia) { return inertia.mass() > 0; }
 
-/// What can be named: links with a mass that move, and joints that carry a mass.
+/// The names that are allowed: links with a mass that move, and joints that carry a mass.
 std::vector<std::string> bodies(const rbd::Model& model) {
   std::vector<std::string> names;
   for (const rbd::Frame& frame : model.frames)

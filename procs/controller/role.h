@@ -8,7 +8,7 @@
 
 namespace lab::controller {
 
-/// The controller in the protocol, with the step of this room. `more`: kinds of the caller's own (docs/extend.md).
+/// The protocol role around step() of controller.h. `more`: kinds of the caller's own (docs/extend.md).
 std::unique_ptr<Role> make_role(FollowerConfig config, Publish publish, std::span<const Kind> more = {});
 
 }  // namespace lab::controller

@@ -1,5 +1,5 @@
-// The motions that an experiment can ask for, each a function of its own time. A new one is a struct that holds its own
-// keys and one row of the table, both in motions.cc.
+// The motions that an experiment can choose, each a function of its own time (0 at its start). To add one, write a
+// struct that holds its own keys and one row of the table, both in motions.cc.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -19,23 +19,23 @@ struct Config;
 struct Motion {
   virtual ~Motion() = default;
 
-  /// Writes q, v, a wanted at time t (s) after the start. The vectors have their sizes.
+  /// Writes the reference q, v, a at time t (s) after the start. Its vectors must have their sizes already.
   virtual void at(double t, Reference&) const = 0;
-  /// Motion time, t or later, at which a robot that was diverted at t rejoins: the next target of point_to_point and
-  /// waypoints, where a path was left. None: wherever the motion is by then.
+  /// Motion time at which a robot that left the motion at t rejoins it: the next target of point_to_point and
+  /// waypoints, t itself for a path. None: at the motion's time when the way back ends.
   virtual std::optional<double> rejoin_time(double) const { return {}; }
 
-  double duration = 0;         ///< s until it rests for good, where it does
+  double duration = 0;         ///< s until it ends at rest; unused by motions that never end
   bool chosen_time = false;    ///< the planner has chosen the duration
-  Eigen::VectorXd peak_speed;  ///< nv: largest of each joint
+  Eigen::VectorXd peak_speed;  ///< nv: peak speed of each joint
 };
 
 struct Kind {
   const char* name;
   const char* what;
-  /// Reads the kind's own keys; the config's common part is there already. Throws ExperimentError.
+  /// Reads the kind's own keys; the config's common part is already set. Throws ExperimentError.
   std::unique_ptr<Motion> (*make)(const Experiment&, const Config&);
-  /// What to do when it is faster than the joints can move; empty for those that never are.
+  /// Advice in the warning when it exceeds the joints' speed limits; empty for kinds that never do.
   const char* cure;
 };
 
@@ -46,7 +46,7 @@ std::span<const Kind> kinds();
 struct Config {
   const Kind* kind = nullptr;
   double dt = 0;       ///< s
-  double speed = 0.5;  ///< share of v_max that is used where the planner chooses the time
+  double speed = 0.5;  ///< fraction of v_max that is used where the planner chooses the duration
   int nv = 0;
   bool floating = false;
   rbd::Model model;              ///< for goals of frames
@@ -63,15 +63,15 @@ Config make_config(const Experiment&, const rbd::Model&);
 
 inline constexpr double kMinTime = 0.5;  // s: the shortest motion and ramp
 
-/// s that a quintic from rest to rest takes without any joint beyond the share `speed` of its limit, or beyond a_max; at
-/// least kMinTime.
+/// Shortest duration (s) of a quintic from rest to rest with every joint within the fraction `speed` of v_max and within
+/// a_max; at least kMinTime.
 double quintic_time(const Config&, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
-/// The time that a motion needs which within 1 s would reach these speeds and accelerations: speeds fall with the time,
-/// accelerations with its square. At least kMinTime.
+/// The same for a motion whose peak speeds and accelerations are these if it lasts 1 s: with duration T, speeds are
+/// divided by T and accelerations by T^2. At least kMinTime.
 double shortest_time(const Config&, const Eigen::VectorXd& speeds, const Eigen::VectorXd& accelerations);
 
-/// q, at rest.
+/// Writes the reference at rest: q, with v and a zero.
 void stay(const Eigen::VectorXd& q, Reference& out);
 
 }  // namespace lab::planner

@@ -1,7 +1,7 @@
-// What is wanted of the robot at each step: a pure function of config, state and input. A motion is a function of its own
-// time. That time stands still while the robot is held; afterwards it starts again gently, from where the robot is. A goal
-// that a person gives is a detour: it begins at the current reference, with its velocity and acceleration, so that
-// nothing ever jumps.
+// The planner: the reference of each step, a pure function of config, state and input. A motion is a function of its own
+// time. That time is paused while the robot is held; afterwards it resumes smoothly, from the robot's position. A goal
+// from the operator is a detour: it begins at the current reference, with its velocity and acceleration, so that the
+// reference never jumps.
 #pragma once
 #include <optional>
 #include <span>
@@ -12,27 +12,27 @@
 
 namespace lab::planner {
 
-/// A quintic that replaces the motion: to a person's goal, or from there back to the motion.
+/// A quintic that replaces the motion: to the operator's goal, or from there back to the motion.
 struct Detour {
-  Spline::Piece path;                 ///< by time, from 0 on
+  Spline::Piece path;                 ///< a function of time, from 0
   std::optional<double> resume_time;  ///< s: the motion's time at the end; without it the detour ends in rest
 };
 
 struct State {
   int64_t since = 0;       ///< step at which the motion's time (a detour's, if there is one) was `start_time`
   double start_time = 0;   ///< s
-  double ramp = 0;         ///< s in which that time reaches its full rate and `offset` goes to 0; 0 = none
+  double ramp = 0;         ///< s until that time runs at full rate and `offset` is 0; 0 = no ramp
   Eigen::VectorXd offset;  ///< nq: from the motion to the reference at `since`
   std::optional<Detour> detour;
   double left_time = 0;    ///< s: the motion's time when the detour replaced it
-  bool held = false;       ///< the robot does not follow: the reference is where it is
-  bool stopped = false;    ///< a person said estop, and not yet rearm
+  bool held = false;       ///< the robot is held: the reference is its position
+  bool stopped = false;    ///< after estop, until rearm
   int64_t last_step = -1;  ///< of the newest reference
 };
 inline State initial(const Config&) { return {}; }
 
 struct Input {
-  int64_t step = 0;  ///< the one that the reference is for
+  int64_t step = 0;  ///< the step that the reference is for
   std::span<const Action> actions{};
   const RobotState* state = nullptr;  ///< newest; null before the first
   bool held = false;                  ///< the simulator holds the robot
@@ -43,8 +43,8 @@ struct Output {
   std::vector<Event> events;
 };
 
-/// The reference for input.step; steps rise, and may be left out. Takes `goal` (nq values, or a frame and its target pose:
-/// cartesian.h; key "duration": seconds, 0 or none = as fast as the share `speed` of the limits allows), `set` planner
+/// The reference for input.step; steps increase, gaps are allowed. Takes `goal` (nq values, or a frame and its target pose:
+/// cartesian.h; key "duration": seconds, 0 or none = shortest within the fraction `speed`), `set` planner
 /// motion=on (back to the motion after a goal: a point-to-point cycle goes on with its next target), `estop` and `rearm`.
 Output step(const Config&, State&, const Input&);
 

@@ -6,7 +6,7 @@
 
 namespace lab::planner {
 
-/// The planner in the protocol, with the step of this room.
+/// The protocol role around step() of planner.h.
 std::unique_ptr<Role> make_role(FollowerConfig config, Publish publish);
 
 }  // namespace lab::planner

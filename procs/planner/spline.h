@@ -1,5 +1,5 @@
 // Curves through points, made of polynomials. Value, slope and second derivative are continuous from piece to piece.
-// All that a planner writes but cubics and sinusoids is made of these: quintics, waypoints, paths, detours.
+// All motions except cubics and sinusoids are made of these: quintics, waypoints, paths, detours.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -26,15 +26,15 @@ struct Spline {
     Eigen::Matrix<double, Eigen::Dynamic, 6> c;
 
     double end() const { return start + length; }
-    /// Value and the first two derivatives by u. The vectors have their sizes.
+    /// Value and the first two derivatives by u. The vectors must have their sizes already.
     void at(double u, Eigen::VectorXd& q, Eigen::VectorXd& slope, Eigen::VectorXd& bend) const;
   };
   std::vector<Piece> pieces;
 
   double end() const { return pieces.back().end(); }
-  /// The same, 0 <= u <= end().
+  /// The same for the whole curve, 0 <= u <= end().
   void at(double u, Eigen::VectorXd& q, Eigen::VectorXd& slope, Eigen::VectorXd& bend) const;
-  /// The same curve, `factor` times as slow.
+  /// Slows the curve down: all lengths in u times `factor`.
   void stretch(double factor);
 };
 
@@ -45,24 +45,24 @@ Spline::Piece quintic(double start, double length, const Eigen::VectorXd& from, 
 
 /// The quintic from rest at 0 to rest at 1: s = 10 x^3 - 15 x^4 + 6 x^5, x = t / T.
 struct Progress {
-  double s, rate, acceleration;  ///< and derivatives by time
+  double s, rate, acceleration;  ///< s and its time derivatives
 };
 Progress quintic_progress(double t, double T);
-inline constexpr double kQuinticSpeed = 1.875;  // its largest, of distance / T
+inline constexpr double kQuinticSpeed = 1.875;  // its peak, in units of distance / T
 inline constexpr double kQuinticAcceleration =
-    5.773502691896258;  // its largest, of distance / T^2: 10 / sqrt(3)
+    5.773502691896258;  // its peak, in units of distance / T^2: 10 / sqrt(3)
 
 enum class Ends {
-  /// Slope and second derivative 0 at both ends: rest goes over into motion without a jump of the acceleration. The first
+  /// Slope and second derivative 0 at both ends: the acceleration is continuous from and to rest. The first
   /// and the last piece have degree 4, those between degree 3 (the "4-3-4 trajectory" of the textbooks, for any number
   /// of points); a single piece is the quintic.
   Rest,
   /// The slope at either end is that of the polynomial through the five points nearest to it. Needs five points, equally
-  /// far apart. The error between the points of a smooth curve is O(length^4), at the ends too.
+  /// spaced. The error between the points of a smooth curve is O(length^4), at the ends too.
   Free,
 };
 
-/// The curve with value points[k] at u = knots[k]; knots rise, knots[0] = 0.
+/// The curve with value points[k] at u = knots[k]; knots increase, knots[0] = 0.
 Spline through(const std::vector<double>& knots, const std::vector<Eigen::VectorXd>& points, Ends);
 
 /// Smallest and largest value, and where (u). Exact: at the ends or where the derivative is 0.
@@ -72,10 +72,10 @@ struct Extremes {
 /// Of the derivative by u of an order 0 (the value itself), 1 or 2, of one joint on one piece.
 Extremes extremes(const Spline::Piece&, Eigen::Index joint, int order);
 
-/// Largest size of each joint's derivative of this order along the whole curve.
+/// Largest absolute value of each joint's derivative of this order along the whole curve.
 Eigen::VectorXd largest(const Spline&, int order);
 
-/// The first place where the curve is outside of low .. high by more than rounding.
+/// The first point at which the curve leaves low .. high by more than rounding.
 struct Outside {
   size_t piece = 0;
   Eigen::Index joint = -1;  ///< -1: there is none

@@ -1,4 +1,4 @@
-// A spline through planner.targets, from rest at q0 to rest at the last one, without a rest between.
+// A spline through planner.targets, from rest at q0 to rest at the last one, without stops in between.
 #pragma once
 #include "procs/planner/motions.h"
 

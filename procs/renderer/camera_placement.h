@@ -1,5 +1,5 @@
 // Where the camera of a run's pictures is placed: as near as `renderer.camera` (iso, front, side, top) allows with every
-// planned pose in the picture. It moves along with `renderer.follow` and goes round with `renderer.orbit`. The geometry
+// planned pose in the picture. It follows the frame `renderer.follow` and orbits with `renderer.orbit`. The geometry
 // of cameras is in render/camera.h.
 #pragma once
 #include <vector>
@@ -12,8 +12,8 @@ namespace lab::renderer {
 
 /// The boxes around a robot in some poses.
 struct Extent {
-  render::Bounds world;     ///< m: in the world
-  render::Bounds followed;  ///< m: the same moved with the followed frame back to where that was at first
+  render::Bounds world;     ///< m: as in the world
+  render::Bounds followed;  ///< m: each pose shifted so that the followed frame is at home
 };
 
 class CameraPlacement {
@@ -23,16 +23,16 @@ class CameraPlacement {
 
   /// Adds one pose of the robot to an extent; followed: where the followed frame is then.
   void extend(Extent&, const std::vector<render::Body>& robot, const Eigen::Vector3d& followed) const;
-  /// Sees all of the planned poses.
+  /// Places the camera to see all planned poses.
   void set_planned(const Extent&);
-  /// Sees all of a finished run, too, if that went clearly outside the planned volume.
+  /// Also sees all of a finished run, if the robot clearly left the planned volume.
   void include_run(const Extent&);
 
-  /// s; followed: where the followed frame is then. Throws std::invalid_argument for a view that cannot be.
+  /// The camera at a time (s); followed: where the frame is then (m). Throws std::invalid_argument for an invalid view.
   render::Camera at(double time, const Eigen::Vector3d& followed) const;
   /// Without following or orbit: for a picture of the whole run.
   const render::Camera& still() const { return still_; }
-  double picture_width() const;  ///< m: at what the still camera looks at
+  double picture_width() const;  ///< m: at the target of the still camera
 
  private:
   void place();

@@ -1,4 +1,4 @@
-// Compresses and writes pictures on a thread of its own, beside the drawing of the next one.
+// Compresses and writes pictures on a separate thread, while the next one is drawn.
 #pragma once
 #include <condition_variable>
 #include <deque>
@@ -9,15 +9,15 @@
 
 namespace lab::renderer {
 
-/// Does jobs in their order on a thread of its own.
+/// Runs jobs in order on a separate thread.
 class Encoder {
  public:
   Encoder() : thread_([this] { work(); }) {}
-  ~Encoder();  ///< waiting jobs are still done, errors are lost: finish() first
+  ~Encoder();  ///< runs the waiting jobs, but drops errors: call finish() first
   Encoder(const Encoder&) = delete;
   Encoder& operator=(const Encoder&) = delete;
 
-  /// Waits while kMaxWaiting jobs wait. Throws what an earlier job threw; then nothing more is done.
+  /// Blocks while kMaxWaiting jobs wait. Throws what an earlier job threw; after that no job is run.
   void push(std::function<void()> job);
   /// Jobs done so far.
   int64_t done();

@@ -18,15 +18,15 @@ void make_folder(const std::string& folder);
 /// FOLDER/NNNN.png
 std::string frame_path(const std::string& folder, int64_t index);
 
-/// Writes numbered pictures into a folder, on a thread beside the one that draws. Its calls throw what went wrong with an
-/// earlier picture.
+/// Writes numbered pictures into a folder, on a separate thread. Its calls throw the error of an earlier
+/// picture.
 class FrameFolder {
  public:
   /// Makes `folder`. `about` is written into every file (tEXt): run, renderer.
   FrameFolder(std::string folder, render::PngTexts about);
 
   void write(int64_t index, Picture picture);
-  /// NNNN.depth.png (16 bits, mm, 0 = nothing) and NNNN.depth.f32 (m, float32 of this machine, rows from the top,
+  /// NNNN.depth.png (16 bits, mm, 0 = nothing) and NNNN.depth.f32 (m, float32 in native byte order, rows from the top,
   /// infinity = nothing).
   void write_depth(int64_t index, const render::Measurement&, render::PngTexts);
   /// NNNN.id.png: 16 bits, the link's number; its texts list the links.

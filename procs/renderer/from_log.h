@@ -1,4 +1,4 @@
-// Pictures and films from a finished (or broken off) log.
+// Pictures and films from a log, complete or truncated.
 #pragma once
 #include <optional>
 #include <string>
@@ -31,7 +31,7 @@ struct FromLog {
   bool strict = false;  ///< a missing or broken mesh or texture is an error
 };
 
-/// Draws them and prints the names of what it wrote. Returns an exit code; throws with one clear line.
+/// Draws them and prints the names of what it wrote. Returns an exit code; throws an error of one line.
 int render_log(const FromLog& job);
 
 }  // namespace lab::renderer

@@ -1,4 +1,4 @@
-// Reads from a log what pictures need.
+// Reads the states, references and pushes that pictures show from a log.
 #pragma once
 #include <cstdint>
 #include <lab/run_t.hpp>
@@ -15,8 +15,8 @@ std::string find_log(const std::string& source);
 
 struct Logged {
   run_t run{};
-  std::vector<int64_t> steps;  ///< those with a state, rising
-  std::vector<Push> pushes;    ///< by hand
+  std::vector<int64_t> steps;  ///< those with a state, increasing
+  std::vector<Push> pushes;    ///< by request, not planned
 };
 /// Throws ExperimentError if there is no RUN or no state.
 Logged survey(const std::string& path);

@@ -1,4 +1,4 @@
-// What pictures need to know of a step, and of a push.
+// The data of a step, and of a push, that pictures show.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>

@@ -12,14 +12,14 @@ struct Picture {
   render::PngTexts texts;
 };
 
-/// Not for two threads.
+/// Not thread-safe.
 class Painter {
  public:
   /// Throws std::runtime_error if there is no OpenGL, std::invalid_argument for an impossible size.
   explicit Painter(const RunScene&);
 
   Picture draw(const Shot&);
-  /// Depth and links of the same view, nothing but the robot.
+  /// Depth and link ids of the same view, of the robot only.
   render::Measurement measure(const Shot&);
   const std::string& gl_info() const { return renderer_.gl_info(); }
 

@@ -12,11 +12,11 @@ namespace lab::renderer {
 
 Eigen::Isometry3d isometry(const rbd::SE3& pose);
 
-/// Makes parts of a robot's shapes. Each mesh file is read once. A missing or broken one becomes a magenta box of 10 cm,
+/// Turns a robot's shapes into parts. Each mesh file is read once. A missing or broken one becomes a magenta box of 10 cm,
 /// with one warning that names every place where it was looked for.
 class PartMaker {
  public:
-  /// Meshes of more than 500 triangles are decimated, by at most `error` metres; 0: all are as their files have them.
+  /// Meshes of more than 500 triangles are decimated, by at most `error` metres; 0: none is decimated.
   PartMaker(const Robot& robot, double error, std::vector<std::string>& warnings)
       : robot_(robot), error_(error), warnings_(warnings) {}
 

@@ -10,9 +10,9 @@
 
 namespace lab::renderer {
 
-/// The robot's shapes: one body for each joint. A shape's id is the place of its link in `links`, where new ones are
-/// added. A mesh that cannot be read becomes a magenta box and a warning. In quality fine meshes are as their files
-/// have them, else decimated (parts.h).
+/// The robot's shapes: one body for each joint. A shape's id is the index of its link in `links`; links that it lacks
+/// are added. A mesh that cannot be read becomes a magenta box and a warning. In quality fine, meshes are as in their
+/// files, otherwise decimated (parts.h).
 std::vector<render::Body> make_bodies(const Robot&, const std::string& quality,
                                       std::vector<std::string>& links, std::vector<std::string>& warnings);
 

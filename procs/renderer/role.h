@@ -1,4 +1,4 @@
-// The renderer's side of a run: pictures while it goes on.
+// The renderer as a participant of a run: draws pictures while the run goes on.
 #pragma once
 #include <deque>
 #include <lab/frame_t.hpp>
@@ -14,7 +14,7 @@
 
 namespace lab::renderer {
 
-/// It gives no credit and no process waits for it: it keeps the states that become pictures or parts of traces, from the
+/// It sends no ACK and no process waits for it: it keeps the states that become pictures or parts of traces, from the
 /// bus as they arrive and from the log where some were missed, and draws one picture at each tick until all are drawn.
 /// The pictures are a function of the logged steps. Files are written by another thread.
 class RendererRole : public Role {
@@ -62,12 +62,12 @@ class RendererRole : public Role {
   std::unique_ptr<Painter> painter_;
   std::unique_ptr<FrameFolder> folder_;
   render::PngTexts about_;
-  bool realtime_ = false;          ///< the newest state at each tick of its own, whatever was missed
+  bool realtime_ = false;          ///< at each tick draws the newest state and skips others
   std::vector<int64_t> pictures_;  ///< steps to draw, rising; none in real time
   std::vector<int64_t> needed_;    ///< these and the samples of traces and ghosts, rising
   size_t next_ = 0;                ///< index into needed_
   std::map<int64_t, Moment>
-      moments_;  ///< what has arrived of the needed steps; in real time the newest state
+      moments_;  ///< those of the needed steps that have arrived; real time: the newest state
   std::map<int64_t, Eigen::VectorXd>
       references_;                   ///< real time: the newest ones, which run ahead of the states
   std::vector<double> times_;        ///< of the pictures drawn, s

@@ -1,4 +1,4 @@
-// The robot of a run as scenes before a camera: all of a picture but OpenGL. Everything is a function of the experiment,
+// Builds the scene and the camera of each picture of a run, without OpenGL. Everything is a function of the experiment,
 // the options and the remembered samples. Where the camera is placed: camera_placement.h.
 #pragma once
 #include <rbd/algorithm/data.h>
@@ -17,8 +17,8 @@
 
 namespace lab::renderer {
 
-/// What pictures show besides what the experiment's renderer keys say. Only for finished runs: scales are made from all
-/// that is remembered.
+/// What pictures show in addition to the experiment's renderer keys. Only for finished runs: the scales depend on all
+/// remembered samples.
 struct Extras {
   std::string trace_by = "time";    ///< or speed, error: what the trace's colours mean
   std::vector<std::string> arrows;  ///< velocity, force, com, frames
@@ -37,17 +37,17 @@ struct Shot {
   render::Camera camera;
 };
 
-/// Plain memory: may be copied, and used after a fork.
+/// Holds no OpenGL objects or threads: may be copied, and used after a fork.
 class RunScene {
  public:
   /// Loads the meshes. Throws ExperimentError for a frame that the robot does not have, std::invalid_argument for an
   /// impossible size or view.
   RunScene(const Robot&, const Experiment&, Extras = {});
 
-  /// Adds a sample to the path that traces and ghosts show; steps must rise, others are left out.
+  /// Adds a sample to the path that traces and ghosts show; steps must increase, others are ignored.
   void remember(const Moment&);
   bool needs_samples() const { return settings_.ghost > 0 || !settings_.trace.empty(); }
-  /// Of a finished run, when all is remembered: includes it in the picture, and chooses the scales of arrows.
+  /// Call after the last remember() of a finished run: fits the camera to the run and chooses the scales of arrows.
   void finish_run();
 
   /// The robot at one moment, with its path so far, its reference and arrows, as asked for. Kinematics are computed
@@ -94,7 +94,7 @@ class RunScene {
   Extras extras_;
   double duration_, moving_ = 0;  ///< s: of the run; of the planned motion in it, 0 = all
   rbd::Model model_;
-  rbd::Data data_, reference_data_;  ///< kinematics of the moment at hand, and of its reference
+  rbd::Data data_, reference_data_;  ///< kinematics of the current moment, and of its reference
   std::vector<std::string> links_{""}, warnings_;
   std::vector<render::Body> robot_;
   rbd::FrameIndex traced_ = 0, followed_ = 0;

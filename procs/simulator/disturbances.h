@@ -1,5 +1,5 @@
-// What acts on the simulated robot besides its motors, unknown to its controller: pushes, payloads, and
-// the soft stops before the ends of its joints.
+// Disturbances of the simulated robot that its controller does not know: pushes, payloads, and soft stops
+// near its joint limits.
 #pragma once
 #include <rbd/algorithm/external_wrench.h>
 #include <rbd/model/model.h>
@@ -12,10 +12,10 @@
 
 namespace lab::simulator {
 
-/// A wrench at a frame's origin, world axes, for some steps.
+/// A wrench at a frame's origin, in world axes, for a number of steps.
 struct Push {
   rbd::FrameWrench wrench;
-  int64_t steps = 0;  ///< left
+  int64_t steps = 0;  ///< remaining
 };
 /// From torque (Nm) and force (N).
 Push make_push(rbd::FrameIndex frame, const Eigen::Vector3d& torque, const Eigen::Vector3d& force,
@@ -24,21 +24,21 @@ Push make_push(rbd::FrameIndex frame, const Eigen::Vector3d& torque, const Eigen
 /// A point mass that is fixed to a frame.
 struct Payload {
   rbd::FrameIndex frame = 0;
-  double mass = 0;      ///< kg; 0 = nothing
+  double mass = 0;      ///< kg; 0 = none
   Eigen::Vector3d com;  ///< m, in the frame
 };
 
-/// A spring and a damper that act beyond `low` and `high`: effort -(stiffness x + damping |x| / margin v), x how far
-/// beyond. Both begin at 0, so that nothing jumps. Source: Hunt, Crossley 1975, with a linear spring.
+/// A spring and a damper that act beyond `low` and `high`: effort -(stiffness x + damping |x| / margin v), x the depth
+/// beyond them. The effort is continuous: 0 at x = 0. Source: Hunt, Crossley 1975, with a linear spring.
 struct SoftStop {
-  int q = 0, v = 0;  ///< the joint's places
+  int q = 0, v = 0;  ///< the joint's indices
   double low = 0, high = 0, margin = 0, stiffness = 0, damping = 0;
   double depth(double position) const {
     return position > high ? position - high : position < low ? position - low : 0;
   }
 };
 
-/// All that an experiment plans. `from`: the state from which on it acts.
+/// All disturbances that an experiment plans. `from`: the step at which it begins to act.
 struct Disturbances {
   template <class T>
   struct Planned {
@@ -50,23 +50,23 @@ struct Disturbances {
   std::vector<SoftStop> stops;
 };
 
-/// Throws ExperimentError: a frame that does not exist or does not move, a push shorter than a step, margins that meet.
+/// Throws ExperimentError: a frame that does not exist or does not move, a push shorter than a step, overlapping margins.
 Disturbances make_disturbances(const Experiment&, const rbd::Model&);
 
 /// What acts at one step.
 struct Load {
   explicit Load(const rbd::Model& nominal) : model(nominal) {}
-  rbd::Model model;  ///< with its payloads
+  rbd::Model model;  ///< nominal plus the present payloads
   std::vector<Push> pushes;
   std::vector<Payload> payloads;
-  size_t next_push = 0, next_payload = 0;  ///< of those planned
+  size_t next_push = 0, next_payload = 0;  ///< indices of the next planned ones
 };
 
-/// Begins what is planned for the step from `step` on; an event each.
+/// Starts the disturbances planned for the step that begins at `step`; one event each.
 void begin_step(const Disturbances&, const rbd::Model& nominal, int64_t step, Load&, std::vector<Event>&);
-/// Takes the action push or payload; empty, or why not.
+/// Carries out the action push or payload. Returns why not, or "".
 std::string take(const Action&, const rbd::Model& nominal, double dt, Load&);
-/// Pushes whose time is over end.
+/// Counts one step of each push and removes those that have ended.
 void end_step(Load&);
 
 /// Adds the soft stops' efforts.

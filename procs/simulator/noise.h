@@ -1,5 +1,5 @@
 // Counter-based noise: a pure function of seed, step, joint and kind, so that any step can be recomputed on its own, in
-// any process and in any order. Not std::normal_distribution, whose numbers the standard leaves to the library.
+// any process and in any order. Not std::normal_distribution: its numbers depend on the standard library.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -17,7 +17,7 @@ constexpr uint64_t mix(uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Gaussian of mean 0 and standard deviation 1, at most 8.6 in size. Source: Box, Muller 1958.
+/// Gaussian of mean 0 and standard deviation 1, at most 8.6 in magnitude. Source: Box, Muller 1958.
 inline double gaussian(int64_t seed, int64_t step, int joint, NoiseKind kind) {
   constexpr double kTiny = 0x1p-53;
   const uint64_t of_step = mix(mix(static_cast<uint64_t>(seed)) ^ static_cast<uint64_t>(step));

@@ -13,7 +13,7 @@
 namespace lab::simulator {
 namespace {
 
-/// Where two vectors differ in a bit; -1 = nowhere.
+/// Index of the first entry that differs in any bit; -1 = none.
 Eigen::Index difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   if (a.size() != b.size()) return 0;
   for (Eigen::Index i = 0; i < a.size(); ++i)

@@ -8,7 +8,7 @@
 
 namespace lab::simulator {
 
-/// The simulator's step as the leader of a run, by the clock that the experiment asks for. Throws ExperimentError.
+/// The simulator's step in the role for the experiment's clock: lockstep or real time. Throws ExperimentError.
 std::unique_ptr<SimulatorRole> make_role(const Experiment& experiment, const Robot& robot, int64_t nonce,
                                          Publish publish);
 

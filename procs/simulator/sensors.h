@@ -1,4 +1,4 @@
-// Sensors: ROBOT_STATE is the true state as they measure it: q and v of some steps ago, with noise.
+// Sensors: ROBOT_STATE holds what they measure: q and v, delayed by some steps, with noise.
 #pragma once
 #include <rbd/model/model.h>
 
@@ -11,7 +11,7 @@ namespace lab::simulator {
 
 struct Sensors {
   struct Noisy {
-    int joint = 0, q = 0, v = 0;  ///< its number; its places in q and v
+    int joint = 0, q = 0, v = 0;  ///< joint index; its indices in q and v
     double q_deviation = 0, v_deviation = 0;
   };
   int64_t seed = 0;
@@ -20,10 +20,10 @@ struct Sensors {
   bool perfect() const { return delay == 0 && noisy.empty(); }
 };
 
-/// Throws ExperimentError: a delay too long, noise for a floating base, a log with gaps, from which the true states could not be found.
+/// Throws ExperimentError: a delay too long, noise on a floating base, a log without every step (replay.h needs all).
 Sensors make_sensors(const Experiment&, const rbd::Model&);
 
-/// The last q and v, as many as the delay needs.
+/// The newest true q and v, as many as the delay needs.
 struct Memory {
   Memory(const Sensors&, const RobotState& first);
   void keep(const RobotState& truth);
@@ -33,7 +33,7 @@ struct Memory {
   std::vector<Moment> ring;  ///< step k at k mod size
 };
 
-/// q and v of `delay` steps ago (of step 0 before that) with the noise of this step; all else as it is.
+/// q and v of `delay` steps ago (at least step 0) with the noise of this step; all other fields unchanged.
 RobotState sense(const Sensors&, const Memory&, const RobotState& truth);
 
 }  // namespace lab::simulator

@@ -40,7 +40,7 @@ void hold(const Config& config, State& s) {
   s.a = -s.robot.v / std::max(kBrakeTime, 2 * config.dt);
   rbd::JointTerms& terms = s.load.model.terms;
   const rbd::JointTerms all = terms;
-  terms.damping = terms.friction = false;  // they brake too
+  terms.damping = terms.friction = false;  // not compensated: they help to brake
   rbd::rnea(s.load.model, s.data, s.robot.q, s.robot.v, s.a, s.applied);
   terms = all;
   if (!config.hold_gravity) s.applied -= rbd::computeGeneralizedGravity(s.load.model, s.data, s.robot.q);
@@ -52,7 +52,7 @@ void hold(const Config& config, State& s) {
     }
 }
 
-/// a for the effort in force at q, v. Damping and friction are in the model.
+/// The acceleration a at q, v under the applied effort. Damping and friction are in the model.
 void accelerate(const Config& config, State& s, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                 Eigen::VectorXd& a) {
   s.force = s.applied;
@@ -67,11 +67,11 @@ void semi_implicit_euler(const Config& config, State& s) {
   rbd::integrate(config.model, s.robot.q, s.twist, s.q);
 }
 
-// Classic Runge-Kutta on the coordinates x of q = q0 exp(x), with their rate to the order that it needs (RKMK).
+// Classic Runge-Kutta on the coordinates x of q = q0 exp(x), with dx/dt to the order that RK4 needs (Munthe-Kaas).
 void runge_kutta_4(const Config& config, State& s) {
   constexpr double kAt[4] = {0, 0.5, 0.5, 1};
   for (int i = 0; i < 4; ++i) {
-    // the state that the slope before leads to
+    // the state reached with the previous slope
     if (i == 0) {
       s.q = s.robot.q;
       s.slope_q[0] = s.robot.v;
@@ -93,7 +93,7 @@ void integrate(const Config& config, State& s) {
   config.integrator == Integrator::RungeKutta4 ? runge_kutta_4(config, s) : semi_implicit_euler(config, s);
 }
 
-/// The joint that has just become faster than it may be; -1 if none.
+/// Index in v of the first joint that is beyond its speed limit and becoming faster; -1 if none.
 int too_fast(const Config& config, const State& s) {
   const auto outside = [&](int i) {
     return s.v[i] > config.model.upperVelocityLimit[i] || s.v[i] < config.model.lowerVelocityLimit[i];

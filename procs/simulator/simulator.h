@@ -1,7 +1,7 @@
 // The robot as simulated: one step of time as a pure function of config, state and input.
 // a = M^-1 (tau + J^T pushes + soft stops - damping v - friction tanh(v / kSlipSpeed) - nle), armature and payloads in M and
-// nle. While holding, the command is ignored and the robot held: tau = M (-v / 0.1 s) + nle (`gravity`), or
-// without gravity's part. The true state stays inside; Output::state is as the sensors measure it.
+// nle. While holding, commands are ignored and tau = M (-v / 0.1 s) + nle (safety.hold `gravity`), or without
+// the gravity term (`damping`). State::robot is the true state, Output::state what the sensors measure.
 #pragma once
 #include <rbd/algorithm/data.h>
 #include <rbd/algorithm/external_wrench.h>
@@ -20,7 +20,7 @@ namespace lab::simulator {
 
 enum class Integrator {
   SemiImplicitEuler,  ///< v += a dt, then q moves by the new v dt
-  RungeKutta4,        ///< classic, effort held; a floating base by Munthe-Kaas (4th order too)
+  RungeKutta4,        ///< classic, constant effort per step; a floating base by Munthe-Kaas (4th order too)
 };
 
 struct Config {
@@ -29,20 +29,20 @@ struct Config {
   Integrator integrator = Integrator::SemiImplicitEuler;
   Eigen::VectorXd q0, v0;    ///< nq; nv
   safety::Config safety;     ///< with a watchdog in real time
-  bool hold_gravity = true;  ///< holding compensates the weight of the robot and its payloads
+  bool hold_gravity = true;  ///< holding also compensates the weight of robot and payloads
   Sensors sensors;
   Disturbances disturbances;
 };
 
-/// Throws ExperimentError for values that do not fit the model, and for a floating robot that would only
-/// fall.
+/// Throws ExperimentError for values that do not fit the model, and for a floating robot that would
+/// fall (simulator.allow_fall).
 Config make_config(const Experiment&, const rbd::Model&);
 
 struct State {
   explicit State(const Config&);
   RobotState robot;           ///< the truth
-  Eigen::VectorXd effort;     ///< nv: the command in force, limited
-  std::vector<bool> clamped;  ///< nv: the command in force is limited here
+  Eigen::VectorXd effort;     ///< nv: of the last accepted command, clamped
+  std::vector<bool> clamped;  ///< nv: which of its entries are clamped
   safety::State safety;
   Memory memory;
   Load load;
@@ -59,20 +59,20 @@ State initial(const Config&);
 RobotState sensed(const Config&, const State&);
 
 struct Input {
-  const Command* command = nullptr;  ///< null: none is new, the last is held
+  const Command* command = nullptr;  ///< null: no new one, the last stays in effect
   std::span<const Action> actions{};
 };
 
 struct Output {
-  RobotState state;           ///< of the next step, as the sensors see it; if `abort`, still the one before
+  RobotState state;           ///< of the next step, as measured; if `abort`, the one before again
   std::vector<Event> events;  ///< of the next step
   bool abort = false;         ///< the run cannot go on; the last event says why
   safety::Mode mode = safety::Mode::Running;
 };
 
 /// From step k to k + 1. Takes the actions estop, rearm, push and payload. Effort beyond the limits is clamped (one event
-/// when that begins); a command of wrong size or not finite is refused with an event and the last one held; a state that
-/// is no longer finite aborts. Never throws.
+/// when that begins); a command of wrong size or not finite is refused with an event and the last one stays in effect;
+/// a state that diverges (simulator.cc: bounds on q and v) aborts. Never throws.
 Output step(const Config&, State&, const Input&);
 
 }  // namespace lab::simulator

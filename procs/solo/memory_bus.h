@@ -9,10 +9,10 @@
 
 namespace lab::solo {
 
-/// The roles of a run in one thread: the others receive what one publishes, in order, at once.
+/// Connects the roles of a run in one thread: each message goes to all other roles, in order and without loss.
 class MemoryBus {
  public:
-  /// For the role that is added next.
+  /// The publish function for the role that is added next.
   Publish publish() {
     return [this, from = roles_.size()](Channel channel, std::span<const uint8_t> bytes) {
       waiting_.push_back({from, channel, {bytes.begin(), bytes.end()}});
@@ -22,7 +22,7 @@ class MemoryBus {
 
   bool idle() const { return waiting_.empty(); }
 
-  /// Delivers the queue and what is published meanwhile, at most `limit` messages, or until that role has ended.
+  /// Delivers queued messages and those published meanwhile, at most `limit` messages, or until `until` ends.
   void deliver(const Role& until, Micros now, int limit) {
     for (; limit > 0 && !waiting_.empty() && !until.outcome().ended; --limit) {
       const Message message = std::move(waiting_.front());

@@ -1,5 +1,5 @@
-// Cuts a mesh into clusters of triangles that lie together and face the same way. Software rendering pays for every
-// triangle, visible or not: a cluster that faces away from the eye as a whole is not drawn.
+// Cuts a mesh into clusters of nearby triangles that face the same way. In software rendering every triangle costs
+// time, visible or not: a cluster that faces away from the eye as a whole is not drawn.
 #pragma once
 
 #include <vector>
@@ -24,8 +24,8 @@ struct Clusters {
 
 Clusters cut_into_clusters(const Mesh& mesh);
 
-// Can any triangle of the cluster face the viewer? viewer: its place and 1, or the direction towards it and 0
-// (far away); in the mesh's axes. Never wrongly false.
+// Can any triangle of the cluster face the viewer? viewer: its position and 1, or the direction towards it and 0
+// (far away); in the mesh's axes. May be true in doubt, never wrongly false.
 bool may_face(const Cluster& cluster, const Eigen::Vector4f& viewer);
 
 }  // namespace lab::render

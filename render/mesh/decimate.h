@@ -8,8 +8,8 @@ namespace lab::render {
 
 // Vertices are moved onto their neighbours, cheapest first,
 // until `triangles` are left or the next move would leave the surface by more than `error` metres (distance
-// to the planes of all triangles that a vertex stands for; 0 = flat parts only). Corners, seams of colour or
-// texture and rims of holes stay, and so do creases; normals are made anew, from what is left. Deterministic.
+// to the planes of all triangles that a vertex stands for; 0 = flat parts only). Corners, creases, seams of
+// colour or texture and rims of holes are kept; normals are recomputed from the result. Deterministic.
 MeshPtr decimate(const Mesh& mesh, size_t triangles, double error);
 
 }  // namespace lab::render

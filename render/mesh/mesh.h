@@ -20,14 +20,14 @@ struct Texture {
   std::string file;           // the PNG or JPEG that it was decoded from, for the mesh cache; may be empty
 };
 
-// A run of triangles drawn in one go.
+// A range of triangles of one material, drawn in one call.
 struct Surface {
   uint32_t first = 0, count = 0;  // in Mesh::indices; multiples of 3
   Eigen::Vector4f rgba{0.8f, 0.8f, 0.8f, 1.0f};
-  float roughness = 0.45f;                 // 0 a mirror's sharp highlight, 1 none to speak of
+  float roughness = 0.45f;                 // 0: sharp highlight, 1: practically none
   std::shared_ptr<const Texture> texture;  // multiplies the colour; needs Mesh::uvs
   bool coloured = false;   // the file itself gave the colour; otherwise the Part's colour is used
-  bool two_sided = false;  // its back can be seen: both sides are drawn, so that nothing shows a hole
+  bool two_sided = false;  // its back can be seen: both sides are drawn, or holes would show
 };
 
 struct Mesh {
@@ -53,9 +53,9 @@ struct Soup {
   std::vector<uint32_t> triangle_look;   // one of looks per triangle, or none at all: uncoloured
 };
 
-// A mesh to draw: triangles without area dropped, equal positions welded, inside-out pieces turned, and those
-// triangles found whose back can be seen from outside. Given normals are kept if nearly all of them suit
-// their triangles; otherwise normals are made, with creases where the surface bends by more than `crease`
+// A mesh to draw: triangles without area dropped, equal positions welded, inside-out pieces flipped, and those
+// triangles found whose back can be seen from outside. Given normals are kept if nearly all of them agree with
+// their triangles; otherwise normals are computed, with creases where the surface bends by more than `crease`
 // radians. Throws std::invalid_argument for arrays of unequal length, an index out of range, a non-finite
 // coordinate, or nothing left to draw.
 MeshPtr make_mesh(const Soup& soup, double crease = 0.7);

@@ -23,7 +23,7 @@ struct MeshOptions {
 
 // As load_mesh(path), decimated as asked, from the cache if it has an entry for this content: an entry's name is a
 // hash of the file's bytes, the options and the code that made it; files beside it (materials, textures) are
-// checked by hashes of their own. A broken or foreign entry is ignored and made again; a folder that cannot
+// checked by hashes of their own. A corrupt or unknown entry is ignored and made again; a folder that cannot
 // be written to is no error. Entries unused for longest are removed once all together are above 1 GB. What
 // was left out of the mesh is added to `warnings`.
 MeshPtr load_mesh(const std::string& path, const MeshOptions& options,

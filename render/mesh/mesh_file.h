@@ -11,7 +11,7 @@ namespace lab::render {
 // Reads .stl, .dae, .obj, .gltf or .glb (any assimp can). Node transforms and the Collada unit are applied,
 // up axes are NOT (Collada's up_axis, glTF's y up): robots are drawn in the file's own axes, as RViz does.
 // STL has no colour of its own. Textures (PNG, JPEG) are looked for beside the mesh, or inside it; one that
-// cannot be read is left out. Throws std::runtime_error "PATH: reason" for a missing, cut, foreign, empty,
+// cannot be read is left out. Throws std::runtime_error "PATH: reason" for a missing, truncated, unknown, empty,
 // non-finite or absurdly large file.
 MeshPtr load_mesh(const std::string& path);
 

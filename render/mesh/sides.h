@@ -7,7 +7,7 @@
 
 namespace lab::render {
 
-// How often a triangle is in front of all others, with its front and with its back, in small pictures from
+// In how many pixels the front and the back of a triangle are visible, in small pictures from
 // all around (80 directions, 192 pixels a side, no perspective). corners: three points per triangle,
 // counterclockwise seen from its front.
 struct Seen {

@@ -1,4 +1,4 @@
-// Coarse stand-ins for meshes that cast shadows: the edge of a shadow shows less than the mesh has.
+// Coarse stand-ins for meshes that cast shadows: a shadow shows less detail than the mesh has.
 #pragma once
 
 #include "render/mesh/mesh.h"

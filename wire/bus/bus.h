@@ -45,8 +45,8 @@ struct FaultHook {
 
 struct BusOptions {
   /// Wire names wanted; empty = all. On the own endpoint the kernel then drops everything else, and what this
-  /// bus itself sent, so that the process is not woken for it. liblcm cannot tell senders apart: there a process receives its own
-  /// messages.
+  /// bus itself sent, so that the process is not woken for it. With liblcm, which cannot tell senders
+  /// apart, a process receives its own messages.
   std::vector<std::string> channels;
   int recv_buf_size = 8 << 20;      ///< bytes asked of the kernel; the URL's recv_buf_size has precedence
   uint32_t max_message = 64 << 20;  ///< larger messages are refused, also as a claim in a fragment's header
@@ -84,7 +84,7 @@ struct BusUrl {
 };
 BusUrl parse_url(const std::string& url);
 
-/// The URL that an empty one stands for: env LCM_DEFAULT_URL, or udpm://239.255.76.67:7667?ttl=0.
+/// The URL that is used if none is given: env LCM_DEFAULT_URL, or udpm://239.255.76.67:7667?ttl=0.
 std::string default_url();
 
 /// Opens a bus; throws BusError with the URL, what failed and what to do. `?backend=liblcm` in a udpm URL, or

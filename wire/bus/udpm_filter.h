@@ -8,7 +8,7 @@
 
 namespace lab::udpm {
 
-/// A classic BPF program for an IPv4 UDP socket: lets pass fragments (their channel is in the first one only)
+/// A classic BPF program for an IPv4 UDP socket: passes fragments (their channel is in the first one only)
 /// and short messages whose channel is wanted; drops the rest, and everything from `own_address`:`own_port`
 /// (host byte order). Throws std::invalid_argument when the list is too long for one program (some 200
 /// names).

@@ -1,4 +1,4 @@
-// Between the plain values of steps and the messages on the wire. Header fields (utime, run, step, extras) are the
+// Converts between the plain values of steps and the messages on the wire. Header fields (utime, run, step, extras) are the
 // caller's, except where they are arguments.
 #pragma once
 #include <cmath>

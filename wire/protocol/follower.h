@@ -1,4 +1,4 @@
-// The planner and the controller in the protocol, as far as their clock does not matter: both wait for RUN, then answer
+// The planner and the controller in the protocol: what lockstep and real time share. Both wait for RUN, then answer
 // ROBOT_STATE with messages of their own until END.
 #pragma once
 #include <lab/robot_state_t.hpp>
@@ -58,7 +58,7 @@ struct FollowerContext {
   std::vector<Bytes> encode_events(const std::vector<Event>& events, int64_t step, int64_t utime) const;
 };
 
-/// One run as a follower takes part in it, from RUN to END: the part that depends on the clock.
+/// A follower's part in one run, from RUN to END: what depends on the clock (one subclass for each clock).
 class FollowerRun {
  public:
   explicit FollowerRun(FollowerContext& context) : context_(context) {}

@@ -8,7 +8,7 @@
 
 namespace lab {
 
-/// How late ticks were, over a whole run: a histogram of 1 us up to 20 ms; what is beyond counts as the longest.
+/// How late ticks were, over a whole run: a histogram with bins of 1 us; the last one, 20 ms, holds all later ones.
 class Lateness {
  public:
   void add(Micros late) {
@@ -17,7 +17,7 @@ class Lateness {
     longest_ = std::max(longest_, late);
   }
   int64_t ticks() const { return total_; }
-  /// us that the share of ticks (0..1) was not later than; 0 without a tick.
+  /// us: this share of the ticks (0..1) was at most so late; 0 without a tick.
   Micros quantile(double share) const {
     int64_t left = static_cast<int64_t>(share * static_cast<double>(total_));
     for (size_t us = 0; us < kBins; ++us)

@@ -26,7 +26,7 @@ class LogPolicy {
 /// exactly what the simulator used.
 class LockstepLogPolicy : public LogPolicy {
  public:
-  /// Of the steps only those that `every` divides, and the last, are written.
+  /// Writes the steps that are multiples of `every`, and the last one.
   LockstepLogPolicy(RunLog& log, int64_t every, const RetryTimer& retry_timer, const Publish& publish)
       : log_(log), every_(every), publish_(publish), retry_timer_(retry_timer) {}
 

@@ -1,4 +1,4 @@
-// The logger in the protocol, as far as its clock does not matter: RUN, END, telemetry, deadlines.
+// The logger in the protocol, what lockstep and real time share: RUN, END, telemetry, deadlines.
 #pragma once
 #include <memory>
 #include <string>
@@ -10,7 +10,7 @@
 namespace lab {
 
 struct LoggerConfig {
-  int64_t every = 1;  ///< only steps that this divides, and the last, go into the log
+  int64_t every = 1;  ///< the log gets the steps that are multiples of this, and the last one
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
 };
 
@@ -24,8 +24,8 @@ class LoggerRole : public Role {
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void tick(Micros now) override;
   Micros wake() const override;
-  Micros batch() const override { return 500; }  ///< far less than the window of credit lasts
-  /// Closes with the whole steps there are, if END did not come first.
+  Micros batch() const override { return 500; }  ///< much shorter than kWindow steps take
+  /// Closes the log after its last complete step, if END has not come.
   void stop(Micros now) override;
 
   const Outcome& outcome() const override { return outcome_; }

@@ -1,12 +1,12 @@
-// Bins of loop times for histograms over a whole run: 0, 1, 2, 3 us each its own, from there on four an octave, so that a
-// bin is at most a quarter of its time wide. PROCESS carries the counts.
+// Bins of loop times for histograms over a whole run: one bin each for 0, 1, 2, 3 us, then four per octave, so that
+// a bin is at most a quarter of its start wide. PROCESS carries the counts.
 #pragma once
 #include <bit>
 #include <cstdint>
 
 namespace lab {
 
-inline constexpr int kLoopBins = 84;  ///< the last from 3.7 s on
+inline constexpr int kLoopBins = 84;  ///< the last one starts at 3.7 s
 
 constexpr int loop_bin(int64_t us) {
   if (us < 4) return us < 0 ? 0 : static_cast<int>(us);
@@ -15,7 +15,7 @@ constexpr int loop_bin(int64_t us) {
   return bin < kLoopBins ? bin : kLoopBins - 1;
 }
 
-/// us: the least time in a bin; of kLoopBins, where the last one ends.
+/// us: where a bin starts; for kLoopBins: where the last one ends.
 constexpr int64_t loop_bin_start(int bin) {
   return bin < 4 ? bin : static_cast<int64_t>(4 + bin % 4) << (bin / 4 - 1);
 }

@@ -1,4 +1,4 @@
-// The planner or the controller in real time: answers the newest state, nothing is caught up.
+// The planner or the controller in real time: answers only the newest state, and skips those that it missed.
 #pragma once
 #include "wire/protocol/follower.h"
 
@@ -21,7 +21,7 @@ class RealtimeFollower : public FollowerRun {
   virtual bool answer(const robot_state_t& state, std::span<const Action> actions) = 0;
   /// Takes a message on any other channel than ROBOT_STATE and INPUT.
   virtual void receive_other(Channel, std::span<const uint8_t>) {}
-  /// The simulator holds the robot, by its PROCESS.
+  /// True if the simulator holds the robot, as its PROCESS says.
   bool held() const { return held_; }
 
  private:

@@ -45,7 +45,7 @@ class RealtimeSimulatorRole : public SimulatorRole {
     return command;
   }
 
-  int64_t grid_step_ = 0;  ///< is due at grid_start_
+  int64_t grid_step_ = 0;  ///< the step that is due at grid_start_
   Micros grid_start_ = 0;
   bool fresh_ = false;                ///< command_ has not been used
   command_t command_ = no_command();  ///< the newest

@@ -19,7 +19,7 @@ using Publish = std::function<void(Channel, std::span<const uint8_t>)>;
 
 inline constexpr int64_t kWindow = 256;  ///< W: steps that a listener may be behind
 inline constexpr Micros kNoSpin = -1;    ///< Bus::poll: sleep at once
-/// Process names in the protocol; a foreign controller uses the name of the lab's.
+/// Process names in the protocol; a controller of your own uses the same name.
 inline constexpr const char* kSimulator = "simulator";
 inline constexpr const char* kPlanner = "planner";
 inline constexpr const char* kController = "controller";
@@ -27,7 +27,7 @@ inline constexpr const char* kLogger = "logger";
 
 inline constexpr int64_t kBeforeStart = -1;  ///< the `step` of RUN, and of NEED that asks for it
 
-/// How a role ended, or that it has not.
+/// Whether and how a role has ended.
 struct Outcome {
   bool ended = false;
   int exit_code = kOk;
@@ -54,7 +54,7 @@ class Role {
   /// Does what is due. Call it after the waiting messages were received, at wake(), and at least every kRepeat.
   virtual void tick(Micros now) = 0;
   virtual Micros wake() const = 0;
-  /// us that received messages may wait, as Bus::poll takes it: then one wake-up serves many messages.
+  /// us for which received messages may wait (batch_us of Bus::poll), so that one wake-up handles many.
   virtual Micros batch() const { return 0; }
   /// Real time: 0 for ordinary scheduling, else a rank among the lab's processes, higher first.
   virtual int urgency() const { return 0; }

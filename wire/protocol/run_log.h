@@ -10,12 +10,12 @@
 
 namespace lab {
 
-/// Where the logger puts what it keeps. The file behind it is the caller's.
+/// The output of the logger. The caller owns the file.
 class LogSink {
  public:
   virtual ~LogSink() = default;
   /// Opens the log of this run. If the process was restarted: calls `visit` for each message of the whole steps that
-  /// are already in the log of the same run, and drops what is beyond them. Throws with one line.
+  /// are already in the log of the same run, and truncates the rest. Throws with one line.
   virtual void open(int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit) = 0;
   /// Adds one event. utime is the event's time.
   virtual void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) = 0;
@@ -33,7 +33,7 @@ class RunLog {
 
   /// The encoded TYPE messages of a run, in the order of the log.
   using MakeTypes = std::function<std::vector<Bytes>(int64_t run)>;
-  /// Opens the log with RUN and TYPE, or goes on behind what an earlier process wrote of the same run: then true.
+  /// Opens the log with RUN and TYPE, or continues what an earlier process wrote of the same run: then true.
   bool open(std::span<const uint8_t> run_bytes, const run_t& run, const RunSetup& setup,
             const MakeTypes& types);
   void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) {

@@ -20,15 +20,15 @@ struct SimulatorConfig {
   int nq = 0, nv = 0;
   double dt = 0;           ///< s
   int64_t last_step = 0;   ///< N
-  int64_t every = 1;       ///< lockstep: a COMMAND is due at every step that this divides
+  int64_t every = 1;       ///< lockstep: a COMMAND is due at every multiple of this
   int64_t lead = 0;        ///< lockstep: steps that the planner may be ahead
   Micros wall_offset = 0;  ///< real time: wall clock minus the caller's clock
   std::vector<std::string> required = {kPlanner, kController, kLogger};  ///< must be READY before step 0
-  std::vector<std::string> listeners = {kLogger};                        ///< whose last ACK the end waits for
+  std::vector<std::string> listeners = {kLogger};                        ///< the end waits for their last ACK
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
   /// Why a requested action is refused; empty = it is accepted. May be null.
   std::function<std::string(const Action&)> why_not{};
-  /// Why a requested `reset` is refused; empty: this run ends and the supervisor starts the next.
+  /// Why a requested `reset` is refused; empty = it is accepted: this run ends and the supervisor starts the next.
   std::string no_reset{};
 };
 
@@ -39,7 +39,7 @@ struct StepResult {
   std::string abort;  ///< not empty: the state cannot be published, the run ends with a safety stop
   std::string mode = "RUNNING";  ///< RUNNING, HOLDING, FAULT, as in PROCESS
 };
-/// Makes the state of `step` from the one before. `command` is null when none is new; actions hold from this step on.
+/// Makes the state of `step` from the one before. `command` is null when none is new; actions take effect from this step on.
 using SimulateStep =
     std::function<StepResult(int64_t step, const Command* command, std::span<const Action> actions)>;
 

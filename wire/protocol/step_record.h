@@ -21,7 +21,7 @@ struct StepRecord {
   /// Empties the record for another step; keeps the memory.
   void clear(int64_t new_step);
   /// Files a message of this step. An earlier one with the same key stays, unless `replace`.
-  /// Returns false if the channel has no place here or the key was taken.
+  /// Returns false if a step has no such message or the key is taken.
   bool file(Channel channel, std::span<const uint8_t> bytes, bool replace);
   /// True when the process' main message is here with all the extras that it counts.
   bool closed_by(const std::string& process) const;
@@ -50,7 +50,7 @@ struct StepRecord {
 class StepRing {
  public:
   explicit StepRing(int64_t size) : records_(size) {}
-  /// The record of a step; emptied first if its place was another step's. Steps must be asked for within a span of size().
+  /// The record of a step; emptied first if its slot held another step. Steps must be asked for within a span of size().
   StepRecord& at(int64_t step) {
     StepRecord& record = records_[step % size()];
     if (record.step != step) record.clear(step);

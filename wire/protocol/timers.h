@@ -34,8 +34,8 @@ class RetryTimer {
   Micros due_ = 0;
 };
 
-/// Time without progress, for a process that may itself have been stopped meanwhile: of the time between two updates
-/// at most 2 kRepeat count.
+/// Time without progress, for a process that may itself have been suspended: the time between two updates counts as
+/// at most 2 kRepeat.
 class IdleTimer {
  public:
   void reset() { elapsed_ = 0; }

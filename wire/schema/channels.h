@@ -1,5 +1,5 @@
-// The table of channels: what each carries and what may be in it. A new message is one .lcm file and one row here; the
-// guard, the logger and the bus filters follow this table.
+// The table of channels: what each carries and what may be in it. A new message is one .lcm file and,
+// here, a value of Channel, kChannels and a row; the guard and TYPE follow this table, roles handle channels by name.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -60,7 +60,7 @@ inline constexpr std::array<ChannelRow, kChannels> kChannelTable{{
 
 constexpr const ChannelRow& row(Channel channel) { return kChannelTable[static_cast<size_t>(channel)]; }
 
-/// The channel of that wire name; none if it is not the lab's. A name that starts with `prefix` is looked up
+/// The channel of that wire name; nullopt if it is not in the table. A name that starts with `prefix` is looked up
 /// without it; with a non-empty prefix any other name is not found.
 constexpr std::optional<Channel> channel_of(std::string_view name, std::string_view prefix = {}) {
   if (!name.starts_with(prefix)) return std::nullopt;

@@ -3,7 +3,7 @@
 // trust counts, so decode only what a Guard accepted.
 #pragma once
 #include <cstdint>
-#include <lab/count_fault.hpp>  // count_fault(message): empty, or which array has not the length that its count says
+#include <lab/count_fault.hpp>  // count_fault(message): empty, or which array differs in length from its count
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -30,7 +30,7 @@ std::vector<uint8_t> encode(const T& message) {
   return out;
 }
 
-/// Decodes bytes that a Guard accepted. Throws std::invalid_argument when they are of another type or cut.
+/// Decodes bytes that a Guard accepted. Throws std::invalid_argument when they are of another type or truncated.
 template <class T>
 void decode(std::span<const uint8_t> bytes, T& out) {
   if (out.decode(bytes.data(), 0, static_cast<int>(bytes.size())) != static_cast<int>(bytes.size())) {

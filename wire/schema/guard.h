@@ -34,12 +34,12 @@ class Guard {
   explicit Guard(std::string prefix = "");
   /// The robot's sizes, from RUN or the model; until then (or with -1) vectors may have any length.
   void set_sizes(int nq, int nv);
-  /// The run that counts; 0 = not known yet, every run is accepted.
+  /// The run to accept; 0 = not known yet: every run is accepted.
   void set_run(int64_t run) { run_ = run; }
   int64_t run() const { return run_; }
 
-  /// Fingerprint of the channel's type, length, the schema walker, the row's size rule, the run. No
-  /// allocation when accepted.
+  /// Checks length, fingerprint and content (Schema::check), the run, and the row's size rules. Foreign: of
+  /// another run. No allocation when accepted.
   Verdict check(std::string_view channel, std::span<const uint8_t> bytes) const;
   Verdict check(Channel channel, std::span<const uint8_t> bytes) const;
 

@@ -11,7 +11,7 @@ namespace lab {
 
 /// What the length of one dimension must be.
 struct Length {
-  const char* member;  ///< that counts it; empty for a fixed size
+  const char* member;  ///< the member with the count; empty for a fixed size
   int64_t size;
 };
 
@@ -23,7 +23,7 @@ constexpr bool is_vector = false;
 template <class X>
 constexpr bool is_vector<std::vector<X>> = true;
 
-/// Compares the arrays in `x` with `lengths`, outermost first, and the messages in it with their own counts.
+/// Compares the arrays in `x` with `lengths`, outermost first, and nested messages with their own counts.
 /// Empty = equal, else which and how.
 template <class X>
 std::string length_fault(const char* type, const char* member, const X& x, std::span<const Length> lengths) {

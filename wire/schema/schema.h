@@ -76,21 +76,21 @@ class Schema {
   const Type* find(int64_t fingerprint) const;  ///< the first of that fingerprint; two equal structs collide
 
   /// Why the bytes are not a message of that type, naming the field, the value seen and the bound; empty =
-  /// they are. Afterwards the generated decoder may be trusted with them: every count, length and depth is
+  /// they are. The generated decoder is safe for accepted bytes: every count, length and depth is
   /// bounded, strings end in NUL, booleans are 0 or 1, nothing is left over. No allocation unless it refuses.
   std::string check(const Type& type, std::span<const uint8_t> bytes, CheckOptions options = {}) const;
 
-  /// The message as a tree. Throws std::invalid_argument with check's reason (with both options off:
-  /// a spy must show such messages).
+  /// The message as a tree. Throws std::invalid_argument with check's reason; checks with both options
+  /// off, so that a spy can show NaN.
   Value decode(const Type& type, std::span<const uint8_t> bytes) const;
 
-  /// Where a scalar member starts in the message, in bytes after its first, when all before it has a fixed
-  /// size; -1 otherwise or when there is no such member.
+  /// Byte offset of a scalar member in the message, if everything before it has a fixed size; else, or without
+  /// such a member, -1.
   int fixed_offset(const Type& type, std::string_view field) const;
 
  private:
   friend class Walker;
-  // One step of the flat program that a type is compiled to: a run of equal things.
+  // One step of the flat program that a type is compiled to: a sequence of equal elements.
   struct Op {
     enum Code : uint8_t { Skip, Bool, Float, Double, String, Count, Call } code;
     uint8_t width = 0;   // bytes an element; Count: of the integer

@@ -27,8 +27,8 @@ struct Member {
   Value value;
 };
 
-/// `name: value` lines; structs indented by two, arrays of numbers in one line. Shortest text that reads back
-/// to the same number.
+/// `name: value` lines; structs indented by two, arrays of numbers in one line. Numbers are the shortest
+/// text that reads back to the same value.
 std::string to_text(const Value& value);
 
 /// The same as JSON; non-finite numbers become null, bytes that are not UTF-8 the replacement character.

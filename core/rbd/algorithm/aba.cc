@@ -12,12 +12,12 @@ namespace rbd {
 namespace inner {
 
 // Featherstone 2008, table 7.1, in world axes, so that inertias and forces of children simply add to their
-// parent's. s.S[k] is the table's S, dof by dof. Changes:
-// - pass 1 also finds the acceleration a that velocities and gravity alone would give (all qdd = 0), and f,
-//   the force it takes: the table's pA plus I a. Passes 2 and 3 work relative to it: no term Ia c, and pass
-//   3 starts from 0 instead of minus gravity;
-// - D holds the rotor of the dof too; forces from outside are in tau already, as J' f;
-// - the dofs of one joint are eliminated one by one, as if massless bodies stood between them.
+// parent's. s.S[k] is the table's S, dof by dof. Differences from the table:
+// - pass 1 also computes the acceleration a due to velocities and gravity alone (all qdd = 0) and the force f
+//   that it requires: the table's pA plus I a. Passes 2 and 3 solve for the difference to that motion: there
+//   is no term Ia c, and pass 3 starts from 0 instead of minus gravity;
+// - D includes the rotor inertia of the dof; external forces are already part of tau, as J' f;
+// - the dofs of one joint are eliminated one by one, as if there were massless bodies between them.
 template <class Scalar>
 int abaKernel(const Model& model, const double* rotor, Scratch<Scalar>& s, const Scalar* q, const Scalar* qd,
               const Scalar* tau, Scalar* qdd, Scalar& D) {
@@ -26,7 +26,7 @@ int abaKernel(const Model& model, const double* rotor, Scratch<Scalar>& s, const
   sinesAndCosines(model, q, s);
   worldPoses(joints, q, s);
 
-  // pass 1, outward: velocities, accelerations at qdd = 0, and the force f they take
+  // pass 1, outward: velocities, accelerations at qdd = 0, and the force f they require
   s.v[0] = SpatialMotion<Scalar>::zero();
   s.a[0] = {Vec3<Scalar>::zero(), -gravity<Scalar>(model)};
   for (int i = 1; i < n; ++i) {
@@ -40,8 +40,8 @@ int abaKernel(const Model& model, const double* rotor, Scratch<Scalar>& s, const
     s.IA[i] = ArticulatedInertia<Scalar>::rigid(I);
   }
 
-  // pass 2, inward. articulate: U = IA S, D = S' U + rotor, then the lambda, then IA -= U U' / D (the table's
-  // Ia), and IA and f onto the parent. The lambda, per dof: u, and what it adds to f (the table's pa)
+  // pass 2, inward. For each dof articulate computes U = IA S, D = S' U + rotor, calls the lambda (u, and the
+  // table's pa in f), then subtracts U U' / D from IA (the table's Ia). IA and f are added to the parent's.
   const int singular_dof = articulate(joints, rotor, s, D, [&](int i, int k) {
     s.u[k] = tau[k] - dot(s.S[k], s.f[i]);
     s.f[i] = s.f[i] + s.U[k] * (s.u[k] * s.inverseD[k]);
@@ -70,12 +70,12 @@ template int abaKernel(const Model&, const double*, Scratch<long double>&, const
 
 namespace {
 
-// data.ddq from work.effort.
+// Computes data.ddq from work.effort.
 const Eigen::VectorXd& solveMotion(const Model& model, Data& data, const ConstVectorRef& q,
                                    const ConstVectorRef& v) {
   inner::Workspace& work = data.work();
   if (!model.tree().mimic.identity) {
-    // a mimic joint ties dofs of different bodies, which table 7.1 cannot: M a = tau - nle, friction in nle
+    // mimic joints couple dofs of different bodies; table 7.1 has none: M a = tau - nle, nle with friction
     data.ddq = work.effort - nonLinearEffects(model, data, q, v);
     crba(model, data, q);
     cholesky::decompose(model, data);
@@ -83,7 +83,7 @@ const Eigen::VectorXd& solveMotion(const Model& model, Data& data, const ConstVe
     inner::checkResult("aba", model, data.ddq);
     return data.ddq;
   }
-  // nothing mimics: the tree's q, v and tau are the user's; friction takes its part of tau
+  // no mimic joints: the tree's q, v and tau are the user's; friction is subtracted from tau
   inner::addFrictionEfforts(model, v, -1, work.effort);
   double D = 0;
   const int singular_dof = inner::abaKernel(model, inner::rotors(model, work), work.scratch, q.data(),

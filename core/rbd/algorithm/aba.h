@@ -17,7 +17,7 @@ const Eigen::VectorXd& aba(const Model& model, Data& data, const ConstVectorRef&
 void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
          const ConstVectorRef& tau, VectorRef ddq);
 
-// With wrenches from outside.
+// With external wrenches.
 const Eigen::VectorXd& aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
                            const ConstVectorRef& tau, const FrameWrenches& wrenches);
 void aba(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,

@@ -11,7 +11,7 @@ using inner::Joints;
 using inner::Scratch;
 using Vec = inner::Vec3<double>;
 
-// I[i].m and I[i].h: mass and first moment (about the centre) of everything that body i carries, itself
+// I[i].m and I[i].h: mass and first moment (about the centre) of the subtree of body i, itself
 // included.
 void carriedMasses(const Model& model, Scratch<double>& s) {
   const Joints& joints = model.tree().joints;
@@ -25,7 +25,7 @@ void carriedMasses(const Model& model, Scratch<double>& s) {
   }
 }
 
-// What moving dof k with rate 1 gives to the first moment of everything behind it.
+// Rate of the first moment of the subtree of dof k when that moves at rate 1.
 Vec momentRate(const Scratch<double>& s, int body, int k) {
   return s.S[k].v * s.I[body].m + cross(s.S[k].w, s.I[body].h);
 }
@@ -81,7 +81,7 @@ void computeSubtreeCentersOfMass(const Model& model, Data& data, const ConstVect
   inner::motionRates(joints, inner::expandV(model, work.v, v), inner::expandV(model, work.a, a),
                      inner::SpatialMotion<double>::zero(), s);
   carriedMasses(model, s);
-  // f[i]: rates of the first moment of what body i carries (f: first, n: second)
+  // f[i]: rates of the first moment of the subtree of body i (f: first, n: second)
   for (int i = 1; i < model.tree().size(); ++i) {
     const PointMotion moves = pointMotion(s, i, bodyCom(joints, i, s));
     s.f[i] = {moves.a * joints[i].mass, moves.v * joints[i].mass};

@@ -82,7 +82,7 @@ void computeCentroidalMomentumTimeVariation(const Model& model, Data& data, cons
   dhg = computeCentroidalMomentumTimeVariation(model, data, q, v, a);
 }
 
-// Composite inertias as in crba: column k of Ag is the momentum of everything behind dof k when it moves with
+// Composite inertias as in crba: column k of Ag is the momentum of the subtree of dof k when that moves at
 // rate 1.
 const PaddedMatrix& computeCentroidalMap(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("computeCentroidalMap", model, data, q);

@@ -8,8 +8,8 @@ namespace rbd {
 namespace inner {
 namespace {
 
-// Echeandia, Wensing 2021, in world axes: I and B of everything behind a joint simply add. Entry (k, l) is
-// zero where neither dof moves the other.
+// Echeandia, Wensing 2021, in world axes: I and B of the subtree of a joint are plain sums. Entry (k, l) is
+// zero unless one of the two dofs is an ancestor of the other.
 void coriolisKernel(const Model& model, const int* dof_parent, Scratch<double>& s, const double* q,
                     const double* qd, double* C, int stride) {
   const Joints& joints = model.tree().joints;
@@ -30,8 +30,8 @@ void coriolisKernel(const Model& model, const int* dof_parent, Scratch<double>& 
     const auto at = [&](int row, int column) -> double& { return C[column * stride + row]; };
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
       const SpatialMotion<double>& S = s.S[k];
-      const SpatialForce<double> momentum = s.I[i] * S;                  // of everything behind, along dof k
-      const SpatialForce<double> force = s.I[i] * s.Sd[k] + s.B[i] * S;  // that the rate of dof k asks for
+      const SpatialForce<double> momentum = s.I[i] * S;                  // of the subtree, for dof k moving
+      const SpatialForce<double> force = s.I[i] * s.Sd[k] + s.B[i] * S;  // that the rate of dof k requires
       const SpatialForce<double> back = s.B[i].transposeTimes(S);
       for (int l = joint.idx_v; l < joint.idx_v + joint.nv; ++l) at(l, k) = dot(s.S[l], force);
       for (int l = dof_parent[joint.idx_v]; l >= 0; l = dof_parent[l]) {

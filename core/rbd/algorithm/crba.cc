@@ -9,10 +9,10 @@
 namespace rbd {
 namespace inner {
 
-// Featherstone 2008, table 6.2, written in world axes: composite inertias add without any transform, and one
-// force F serves all ancestors. Entry (l, k) is the force along dof l that accelerating dof k asks for; it is
-// zero where neither dof carries the other. s.S[k] is the table's S, dof by dof; dof_parent[k] its
-// lambda: the next dof inward of k, in the same joint or an ancestor's, -1: none.
+// Featherstone 2008, table 6.2, in world axes: composite inertias add without any transform, and one force F
+// is used for all ancestors. Entry (l, k) is the effort at dof l that a unit acceleration of dof k requires;
+// it is zero unless one of the two is an ancestor of the other. s.S[k] is the table's S, dof by dof;
+// dof_parent[k] is its lambda: the previous dof of the same joint or of an ancestor; -1 = none.
 template <class Scalar>
 void crbaKernel(const Model& model, const int* dof_parent, Scratch<Scalar>& s, const Scalar* q, Scalar* M,
                 int stride) {
@@ -26,10 +26,10 @@ void crbaKernel(const Model& model, const int* dof_parent, Scratch<Scalar>& s, c
     for (int l = 0; l < nv; ++l) M[k * stride + l] = Scalar(0);
   }
 
-  s.I[0] = RigidInertia<Scalar>{};  // sums up too, never read
+  s.I[0] = RigidInertia<Scalar>{};  // accumulated like the others, never read
   for (int i = model.tree().size() - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
-    // by now I[i] is the table's Ic: body i and everything beyond it
+    // I[i] is now the table's Ic: body i and its whole subtree
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) {
       const SpatialForce<Scalar> F = s.I[i] * s.S[k];
       M[k * stride + k] = dot(s.S[k], F);
@@ -50,7 +50,7 @@ template void crbaKernel(const Model&, const int*, Scratch<long double>&, const 
 const PaddedMatrix& crba(const Model& model, Data& data, const ConstVectorRef& q) {
   inner::checkInputs("crba", model, data, q);
   inner::Workspace& work = data.work();
-  // expand, collapse: the map of mimic joints (kernel/mimic.h); nothing to do if nothing mimics
+  // expand, collapse: the map of mimic joints (kernel/mimic.h); no-ops without mimic joints
   inner::crbaKernel(model, work.dofParent.data(), work.scratch, inner::expandQ(model, work, q),
                     inner::kernelOutput(model, work.M, data.M), work.stride);
   inner::collapseBothSides(model, work.M, data.M);

@@ -16,10 +16,10 @@ struct Derivatives {
   int stride;
 };
 
-// Singh, Russell, Wensing 2022, in world axes. With I, B, F of everything behind joint i (motion_rates.h
-// has Sd, Psid, Psidd), moving dof l behind or in joint i's own body changes the forces there by
+// Singh, Russell, Wensing 2022, in world axes. With I, B, F of the subtree of joint i (motion_rates.h
+// has Sd, Psid, Psidd), a change of dof l in that subtree or in joint i changes the forces there by
 //   I Psidd_l + 2 B Psid_l + S_l x* F,    its rate by    I (Sd_l + Psid_l) + 2 B S_l.
-// Seen from a joint that l itself carries, the last force term is mere carrying along and drops out.
+// For a joint in the subtree of l, the last force term is a rigid motion of all of it and cancels.
 void rneaDerivativesKernel(const Model& model, const int* dof_parent, Scratch<double>& s, const double* q,
                            const double* qd, const double* qdd, const Derivatives& out) {
   const Joints& joints = model.tree().joints;
@@ -45,14 +45,14 @@ void rneaDerivativesKernel(const Model& model, const int* dof_parent, Scratch<do
     const int end = joint.idx_v + joint.nv;
     for (int k = joint.idx_v; k < end; ++k) {
       const SpatialMotion<double>& S = s.S[k];
-      // row k: how the effort of dof k depends on the dofs that carry it, and on those of its own joint
+      // row k: derivatives of the effort of dof k in its ancestor dofs and those of its own joint
       const SpatialForce<double> inertia = s.I[i] * S, coriolis = s.B[i].transposeTimes(S) * 2.0;
       const auto row = [&](int l) {
         out.dq[l * out.stride + k] = dot(s.Psidd[l], inertia) + dot(s.Psid[l], coriolis);
         out.dv[l * out.stride + k] = dot(s.Sd[l] + s.Psid[l], inertia) + dot(s.S[l], coriolis);
       };
       for (int l = joint.idx_v; l < end; ++l) row(l);
-      // column k: how the efforts of those that carry it depend on dof k
+      // column k: derivatives of the efforts of its ancestors in dof k
       const SpatialForce<double> by_q =
           s.I[i] * s.Psidd[k] + s.B[i] * s.Psid[k] * 2.0 + crossForce(S, s.f[i]);
       const SpatialForce<double> by_v = s.I[i] * (s.Sd[k] + s.Psid[k]) + s.B[i] * S * 2.0;
@@ -72,7 +72,7 @@ void addFrictionSlopes(const Model& model, const ConstVectorRef& v, PaddedMatrix
   for (int k = 0; k < model.nv; ++k) dtau_dv(k, k) += frictionSlope(model, k, v[k]);
 }
 
-// -Minv dtau, where column l of dtau has entries only in the rows that dof l moves or is moved by.
+// -Minv dtau, where column l of dtau is nonzero only in the rows of ancestors and descendants of dof l.
 void minusMinvTimes(const Model& model, Workspace& work, const PaddedMatrix& Minv, const PaddedMatrix& dtau,
                     PaddedMatrix& out) {
   if (!model.tree().mimic.identity) {

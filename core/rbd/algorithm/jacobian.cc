@@ -8,7 +8,7 @@
 namespace rbd {
 namespace {
 
-// A WORLD motion written in another reference; `pose` is the world pose of the frame asked for.
+// A WORLD motion expressed in another reference; `pose` is the world pose of the requested frame.
 Motion inReference(const Motion& world, const SE3& pose, ReferenceFrame reference) {
   if (reference == WORLD) return world;
   if (reference == LOCAL) return pose.actInv(world);
@@ -57,7 +57,7 @@ void fillJacobianRate(const Model& model, const Data& data, JointIndex joint, co
                [&](int k) { return rateInReference(column(all, k), column(rates, k), pose, v, reference); });
 }
 
-// From about the centre to about the world's origin: v_origin = v_centre + centre x w.
+// Shifts from the centre to the world's origin: v_origin = v_centre + centre x w.
 void storeColumns(const std::vector<inner::SpatialMotion<double>>& columns, const inner::Vec3<double>& centre,
                   double* out) {
   for (const inner::SpatialMotion<double>& x : columns) {

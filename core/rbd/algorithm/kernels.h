@@ -1,7 +1,7 @@
-// The kernels behind the public functions, on plain arrays. Compiled for double and for long double: the
-// tests measure the rounding error of the one with the other.
+// The kernels behind the public functions, on plain arrays. Compiled for double and for long double: tests
+// measure the rounding error of double against long double.
 //
-// No checks here: sizes are the caller's. All vectors are those of the kernels' tree (packed_joint.h).
+// No checks here: the caller guarantees the sizes. All vectors are those of the kernels' tree (packed_joint.h).
 // Rotors: abaKernel takes them; the callers of rneaKernel and crbaKernel add them. Matrices are column-major
 // with the stride given. A kernel that can meet a singular inertia returns the dof (or -1), and the value in
 // D.

@@ -17,12 +17,12 @@ void coordinates(const Vec3<double>& angular, const Vec3<double>& linear, double
   linear.storeU(x + 3);
 }
 
-// Carpentier 2018: aba for all unit efforts at once, in world axes. Column c of F is the force that the
-// bodies beyond need when dof c is pushed; column c of P the acceleration of the body reached so far. Dofs
-// are taken in depth-first order, where what a dof moves is one range of columns. Row k is at W + k stride.
+// Carpentier 2018: aba for all unit efforts at once, in world axes. Column c of F is the bias force of the
+// subtree for a unit effort at dof c; column c of P the acceleration of the current body. Dofs are in
+// depth-first order, so that a subtree is one range of columns. Row k is at W + k stride.
 
-// Inward: row k = - S_k' F / D_k, then F takes U_k times that row. Four columns at a time, from the chunk that
-// holds k: left of k all of F is still 0, beyond what k moves F keeps 0.
+// Inward: row k = - S_k' F / D_k, then F += U_k times that row. Four columns at a time, from the chunk that
+// contains k: left of k all of F is still 0, and beyond the subtree of k it stays 0.
 void minverseInward(Workspace& work, int nv, double* W) {
   Scratch<double>& s = work.scratch;
   const int stride = work.stride;
@@ -52,7 +52,7 @@ void minverseInward(Workspace& work, int nv, double* W) {
   }
 }
 
-// Outward: what the parents' motion adds, and the motion handed on to the children.
+// Outward: adds the contribution of the parents' motion, and computes the motion for the children.
 void minverseOutward(Workspace& work, int nv, double* W) {
   Scratch<double>& s = work.scratch;
   const int stride = work.stride;

@@ -9,8 +9,8 @@
 namespace rbd {
 namespace inner {
 
-// Featherstone 2008, table 5.1, every body in its own axes. Forces from outside are not in here: they enter
-// afterwards as J' f (addWrenchEfforts). qdd may be null: then it is zero.
+// Featherstone 2008, table 5.1, every body in its own axes. External forces are not part of this kernel: they
+// are applied afterwards as J' f (addWrenchEfforts). A null qdd means zero.
 template <class Scalar>
 void rneaKernel(const Model& model, Scratch<Scalar>& s, const Scalar* q, const Scalar* qd, const Scalar* qdd,
                 Scalar* tau) {
@@ -18,7 +18,7 @@ void rneaKernel(const Model& model, Scratch<Scalar>& s, const Scalar* q, const S
   const int n = model.tree().size();
   sinesAndCosines(model, q, s);
 
-  // outward: velocities and accelerations; a fixed base that accelerates upwards feels like gravity
+  // outward pass: velocities, accelerations; gravity enters as an upward acceleration of the base
   s.v[0] = SpatialMotion<Scalar>::zero();
   s.a[0] = {Vec3<Scalar>::zero(), -gravity<Scalar>(model)};
   for (int i = 1; i < n; ++i) {
@@ -30,14 +30,14 @@ void rneaKernel(const Model& model, Scratch<Scalar>& s, const Scalar* q, const S
     s.a[i] = X.toChild(s.a[joint.parent]) + crossS(joint, s.v[i], rate);
     if (qdd) s.a[i] = plusS(joint, s.a[i], qdd + joint.idx_v);
 
-    // the force that gives body i this motion
+    // net force on body i: the Newton-Euler equation
     const RigidInertia<Scalar> I = {Mat3<Scalar>::load(joint.inertia_at_origin),
                                     Vec3<Scalar>::load(joint.moment), Scalar(joint.mass)};
     s.f[i] = I * s.a[i] + crossForce(s.v[i], I * s.v[i]);
   }
 
-  // inward: each joint carries its body and everything beyond
-  s.f[0] = SpatialForce<Scalar>::zero();  // sums up too, never read
+  // inward pass: joint i transmits the force that its whole subtree needs
+  s.f[0] = SpatialForce<Scalar>::zero();  // accumulated like the others, never read
   for (int i = n - 1; i > 0; --i) {
     const PackedJoint& joint = joints[i];
     transposeS(joint, s.f[i], tau + joint.idx_v);
@@ -55,7 +55,7 @@ const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef
                             const ConstVectorRef& a) {
   inner::checkInputs("rnea", model, data, q, "v", v, "a", a);
   inner::Workspace& work = data.work();
-  // expand, collapse: the map of mimic joints (kernel/mimic.h); nothing to do if nothing mimics
+  // expand, collapse: the map of mimic joints (kernel/mimic.h); no-ops without mimic joints
   inner::rneaKernel(model, work.scratch, inner::expandQ(model, work, q), inner::expandV(model, work.v, v),
                     inner::expandV(model, work.a, a), inner::kernelOutput(model, work, data.tau));
   inner::collapse(model, work, data.tau);

@@ -1,7 +1,7 @@
 // Inverse dynamics: recursive Newton-Euler.  tau = M(q) a + nle(q, v).  Source: Featherstone 2008, table 5.1.
 //
-// The references returned point into data and are overwritten by the next call; the twins write where you
-// say. Rotors, damping and dry friction: as model.terms says.
+// The references returned point into data and are overwritten by the next call; the overloads with an output
+// argument write there. model.terms selects rotors, damping and dry friction.
 #pragma once
 
 #include "rbd/algorithm/external_wrench.h"
@@ -14,7 +14,7 @@ const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef
 void rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
           const ConstVectorRef& a, VectorRef tau);
 
-// With wrenches from outside: tau = M a + nle - sum of J' f.
+// With external wrenches: tau = M a + nle - sum of J' f.
 const Eigen::VectorXd& rnea(const Model& model, Data& data, const ConstVectorRef& q, const ConstVectorRef& v,
                             const ConstVectorRef& a, const FrameWrenches& wrenches);
 

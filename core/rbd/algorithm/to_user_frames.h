@@ -1,4 +1,4 @@
-// From the kernels' frames and types to the user's: joint frames are turned back, Eigen types filled.
+// From the kernels' frames and types to the user's: rotates results into user frames, fills Eigen types.
 #pragma once
 
 #include "rbd/algorithm/data.h"
@@ -17,7 +17,7 @@ inline void storePose(const Mat3<double>& R, const Vec3<double>& p, SE3& out) {
 inline Vec3<double> fromEigen(const Eigen::Vector3d& x) { return Vec3<double>::make(x[0], x[1], x[2]); }
 inline Eigen::Vector3d toEigen(const Vec3<double>& x) { return {x[0], x[1], x[2]}; }
 
-// A motion in a joint's kernel axes, in the user's axes of that joint.
+// Rotates a motion from a joint's kernel axes to the user's axes of that joint.
 inline rbd::Motion userMotion(const PackedJoint& joint, const SpatialMotion<double>& m) {
   const Mat3<double> R_user = Mat3<double>::load(joint.R_user);
   return {toEigen(R_user * m.w), toEigen(R_user * m.v)};

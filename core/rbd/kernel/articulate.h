@@ -1,5 +1,5 @@
-// The inward pass over articulated inertias that aba and computeMinverse share: Featherstone 2008, table 7.1,
-// pass 2.
+// Pass 2 (inward) of the articulated-body algorithm, shared by aba and computeMinverse. Source: Featherstone
+// 2008, table 7.1.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace rbd::inner {
 // `rotor`: inertia of the rotor of each dof. Needs IA[i] = rigid inertias, f[i], S. Fills U, inverseD;
 // IA and f of children are added to their parents. `eachDof(i, k)` is called for each dof k of joint i
 // once U[k] and inverseD[k] are known. Returns the dof whose inertia D is singular, or -1.
-// Singular: not above 1e-14 of the largest D beyond it, which is what rounding leaves of a true zero.
+// Singular means D <= 1e-14 times the largest D in the subtree, the rounding error of an exact zero.
 template <class Scalar, class EachDof>
 inline int articulate(const Joints& joints, const double* rotor, Scratch<Scalar>& s, Scalar& D,
                       EachDof&& eachDof) {

@@ -1,4 +1,4 @@
-// The outward passes that several algorithms begin with. Each says what it fills in Scratch.
+// Outward passes that several algorithms start with. Each comment names the Scratch fields that are filled.
 #pragma once
 
 #include "rbd/kernel/joint_kinds.h"
@@ -19,8 +19,8 @@ inline void sinesAndCosines(const Model& model, const Scalar* q, Scratch<Scalar>
   sincosAll(model.tree().nq, q, s.sine.data(), s.cosine.data());
 }
 
-// R, p, centre. World axes, but p, S, inertias and wrenches are all taken about the centre: the origin
-// of joint 1 (a robot far from the world's origin loses no digits).
+// R, p, centre, in world axes. p, S, inertias and wrenches are relative to the centre, the origin of joint 1,
+// so that a robot far from the world's origin loses no precision.
 template <class Scalar>
 inline void worldPoses(const Joints& joints, const Scalar* q, Scratch<Scalar>& s) {
   const int n = static_cast<int>(joints.size());

@@ -1,11 +1,11 @@
-// What a joint kind means inside the kernels: its pose, its motion, its effort. Nowhere else do kernels know
-// kinds.
+// The joint kinds inside the kernels: pose, motion and effort of each. No other file of the kernels
+// distinguishes kinds.
 //
-// Joints with one axis have been turned so that they move about or along their local z. TurnZ and SlideZ
-// are nearly all there are and come first everywhere; the rest say where q puts the body (displacement),
-// which axes it moves along (S) and no more. The switches have no default: a new kind does not compile before
-// it is in all of them. The world-axes algorithms take dofs one after the other and see no kind at all. All
-// motion subspaces here are constant in the body: S_dot qd = v x S qd.
+// Single-axis joints are aligned so that they move about or along their local z. TurnZ and SlideZ are by far
+// the most frequent kinds and are tested first; the others define only the pose of the body for a given q
+// (displacement) and its axes of motion (S). The switches have no default: a new kind compiles only when all
+// of them handle it. The world-axes algorithms work dof by dof and do not depend on kinds. All motion
+// subspaces here are constant in body axes: S_dot qd = v x S qd.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 namespace rbd::inner {
 
-// m * v for v read from packed constants: the scalars come from memory, ready to be spread over the lanes.
+// m * v for v in packed constants: scalars loaded from memory can be broadcast to all lanes directly.
 template <class Scalar>
 inline Vec3<Scalar> times(const Mat3<Scalar>& m, const double* v) {
   return m.c0 * Scalar(v[0]) + m.c1 * Scalar(v[1]) + m.c2 * Scalar(v[2]);
@@ -26,7 +26,7 @@ inline Mat3<Scalar> timesMatrix(const Mat3<Scalar>& m, const double* b) {
   return {times(m, b), times(m, b + 4), times(m, b + 8)};
 }
 
-// R of a quaternion (x, y, z, w) of any length but zero.
+// R of a quaternion (x, y, z, w) of any nonzero length.
 template <class Scalar>
 inline Mat3<Scalar> quaternionMatrix(const Scalar* q) {
   const Scalar x = q[0], y = q[1], z = q[2], w = q[3];
@@ -37,7 +37,7 @@ inline Mat3<Scalar> quaternionMatrix(const Scalar* q) {
           Vec3<Scalar>::make(s * (x * z + y * w), s * (y * z - x * w), o - s * (x * x + y * y))};
 }
 
-// cos and sin of any length but zero, as a rotation about z.
+// Rotation about z from (cos, sin) of any nonzero length.
 template <class Scalar>
 inline Mat3<Scalar> planeMatrix(Scalar c, Scalar s) {
   using std::sqrt;
@@ -46,7 +46,7 @@ inline Mat3<Scalar> planeMatrix(Scalar c, Scalar s) {
           Vec3<Scalar>::make(o, o, Scalar(1))};
 }
 
-// Where q puts the body, from its place at q = 0. For TurnZ and SlideZ the callers have something faster.
+// Pose of the body at q in its frame at q = 0. For TurnZ and SlideZ the callers have faster code.
 template <class Scalar>
 inline Pose<Scalar> displacement(const PackedJoint& joint, const Scalar* q, const Scratch<Scalar>& s) {
   const Scalar o(0);
@@ -81,7 +81,7 @@ inline Pose<Scalar> displacement(const PackedJoint& joint, const Scalar* q, cons
   return X;
 }
 
-// S rate, in the joint's own axes. For TurnZ and SlideZ the callers have something faster.
+// S rate, in the joint's own axes. For TurnZ and SlideZ the callers have faster code.
 template <class Scalar>
 inline SpatialMotion<Scalar> subspaceTimes(const PackedJoint& joint, const Scalar* rate) {
   const Scalar o(0);
@@ -105,7 +105,7 @@ inline SpatialMotion<Scalar> subspaceTimes(const PackedJoint& joint, const Scala
   return SpatialMotion<Scalar>::zero();
 }
 
-// The same S, dof by dof, for the kinds whose dofs lie along single axes: 0-2 turn about x y z, 3-5 slide.
+// The same S, dof by dof, for the kinds whose dofs lie along single axes: 0-2 rotate about x y z, 3-5 slide.
 inline const int* dofAxes(KernelKind kind) {
   static constexpr int turn_z[] = {2}, slide_z[] = {5}, ball[] = {0, 1, 2}, planar[] = {3, 4, 2},
                        translate[] = {3, 4, 5}, free[] = {0, 1, 2, 3, 4, 5};
@@ -124,12 +124,12 @@ inline const int* dofAxes(KernelKind kind) {
       return free;
     case KernelKind::None:
     case KernelKind::ScrewZ:
-      break;  // no dof; both axes at once
+      break;  // no dof; two axes at once
   }
   __builtin_unreachable();
 }
 
-// The farthest that q moves the body's origin from its place at q = 0, m, while |q[k]| <= largest(k).
+// Largest distance (m) of the body's origin from its position at q = 0, for |q[k]| <= largest(k).
 template <class Largest>
 inline double largestDisplacement(const PackedJoint& joint, Largest&& largest) {
   const int q = joint.idx_q;
@@ -151,7 +151,7 @@ inline double largestDisplacement(const PackedJoint& joint, Largest&& largest) {
   __builtin_unreachable();
 }
 
-// Pose of joint i in its parent, both ways. Needs sine and cosine.
+// Pose of joint i in its parent, with R and its transpose. Needs sine and cosine.
 template <class Scalar>
 inline void jointPose(const PackedJoint& joint, const Scalar* q, const Scratch<Scalar>& s, Pose<Scalar>& X) {
   const Mat3<Scalar> R_parent = Mat3<Scalar>::load(joint.R_parent);

@@ -1,8 +1,8 @@
-// The spaces that configurations of joints live in, each with the same few operations on plain arrays. Joint
-// kinds name theirs (model/joint.h).
+// The configuration spaces of joints, each with the same operations on plain arrays. traits() in
+// model/joint.h assigns one to each joint kind.
 //   twist(v):           v as a body twist; add(v, m): v plus the part of a twist m that lies in the space
-//   adjointInverse(v):  Ad(exp v)^-1, how a change of q moves the end integrate(q, v)
-//   rightJacobian(v):   how a change of v moves that end; and its inverse
+//   adjointInverse(v):  Ad(exp v)^-1, the derivative of integrate(q, v) in q
+//   rightJacobian(v):   the derivative of integrate(q, v) in v; and its inverse
 // Source: Sola, Deray, Atchuthan, A micro Lie theory, 2018.
 #pragma once
 
@@ -20,7 +20,7 @@ inline Eigen::Quaterniond quaternion(const double* q) {
   return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
 }
 
-// The rotation by |w| about w: exp3Quaternion(w) and leftJacobian3(w) x from one sine and cosine.
+// The rotation by |w| about w: exp3Quaternion(w) and leftJacobian3(w) x, both from one sine and cosine.
 class RotationStep {
  public:
   explicit RotationStep(const double* w) : w_(w[0], w[1], w[2]) {
@@ -31,13 +31,13 @@ class RotationStep {
     sine_over_t_ = halfSineOverAngle(t, s[0]);
     second_ = secondTerm(t, 2 * s[0] * c[0]);
   }
-  // q turned by it. Its length differs from 1 by rounding alone, so one Newton step makes it 1 again.
+  // q times this rotation. Its length differs from 1 only by rounding, so one Newton step normalises it.
   Eigen::Quaterniond appliedTo(const Eigen::Quaterniond& q) const {
     const Eigen::Vector3d xyz = sine_over_t_ * w_;
     const Eigen::Vector4d end = (q * Eigen::Quaterniond(cosine_, xyz.x(), xyz.y(), xyz.z())).coeffs();
     return Eigen::Quaterniond((1.5 - 0.5 * end.squaredNorm()) * end);
   }
-  // How far a body comes that turns by it while it moves with x, in axes of the start.
+  // Displacement, in the initial axes, of a body that moves with the constant body twist (w, x) for time 1.
   Eigen::Vector3d displacement(const Eigen::Vector3d& x) const {
     const Eigen::Vector3d wx = w_.cross(x);
     return x + 2 * sine_over_t_ * sine_over_t_ * wx + second_ * w_.cross(wx);
@@ -97,7 +97,7 @@ struct PoseSpace {
   }
 };
 
-// Poses in a plane: x y cos sin, velocities (vx, vy, w) in body axes. The group of PoseSpace with w along z.
+// Poses in a plane: x y cos sin, velocities (vx, vy, w) in body axes. PoseSpace with rotation about z only.
 struct PlanarSpace {
   static constexpr int kAxis[] = {3, 4, 2};  // of (vx, vy, w) in a twist
   static SmallMatrix inPlane(const SmallMatrix& all) {
@@ -123,7 +123,7 @@ struct PlanarSpace {
     return inPlane(PoseSpace::rightJacobianInverse(Twist(v).x));
   }
   static void lift(const double* q, double* pose) {
-    // half the angle, without an angle: the larger of 1 + c and 1 - c is taken
+    // half-angle formulas without atan2: the larger of 1 + c and 1 - c is used, for precision
     const double n = std::hypot(q[2], q[3]), c = q[2] / n, s = q[3] / n;
     const double w = c >= 0 ? std::sqrt((1 + c) / 2) : std::abs(s) / std::sqrt(2 * (1 - c));
     const double z = c >= 0 ? s / (2 * w) : std::copysign(std::sqrt((1 - c) / 2), s);
@@ -150,8 +150,8 @@ struct PlanarSpace {
   }
 };
 
-// Visits the blocks of q and v in order: numbers(first in q, first in v, how many), or space(space, first in
-// q, first in v) for a rotation or pose.
+// For each block of q and v in order, calls numbers(idx_q, idx_v, count) or, for a rotation or a pose,
+// space(space, idx_q, idx_v).
 template <class Numbers, class Space>
 inline void forEachBlock(const Model& model, Numbers&& numbers, Space&& space) {
   if (model.nq == model.nv) return numbers(0, 0, model.nv);

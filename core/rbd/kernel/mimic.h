@@ -1,7 +1,7 @@
-// Between the user's vectors and those of the kernels' tree, where every joint is independent:
+// Maps between the user's vectors and those of the kernels' tree, where every joint is independent:
 //   q_tree = G q + offset,  v_tree = G v,  tau = G' tau_tree,  M = G' M_tree G,  J = J_tree G.
 //
-// While nothing mimics, G is the identity and the kernels read and write the user's vectors themselves.
+// Without mimic joints G is the identity, and the kernels read and write the user's vectors directly.
 #pragma once
 
 #include "rbd/kernel/workspace.h"
@@ -26,7 +26,7 @@ inline const double* expandV(const Model& model, std::vector<double>& expanded, 
   return expanded.data();
 }
 
-// Where a kernel writes nv_tree efforts that belong into `out`, and the way from there to `out`.
+// kernelOutput: the array a kernel writes its nv_tree efforts to. collapse: `out` = G' times that array.
 inline double* kernelOutput(const Model& model, Workspace& work, Eigen::VectorXd& out) {
   return model.tree().mimic.identity ? out.data() : work.tau.data();
 }
@@ -37,7 +37,7 @@ inline void collapse(const Model& model, const Workspace& work, Eigen::VectorXd&
   for (std::size_t k = 0; k < work.tau.size(); ++k) out[map.v_source[k]] += map.v_ratio[k] * work.tau[k];
 }
 
-// The same for matrices with one column per dof (rows as they are) ..
+// The same for matrices with one column per dof (rows unchanged) ..
 inline double* kernelOutput(const Model& model, PaddedMatrix& scratch, PaddedMatrix& out) {
   return model.tree().mimic.identity ? out.data() : scratch.data();
 }

@@ -1,11 +1,11 @@
-// Velocities, accelerations and the rates of columns, in world axes: what all derivatives begin with.
+// Velocities, accelerations and the rates of columns, in world axes: the first step of all derivatives.
 //
-// Turning dof k moves everything behind it. With S its column of the motion subspace, v and a of its body, and
-// w and c the velocity and acceleration of the body BEFORE its joint:
-//   Sd    = v x S               how the column itself changes
-//   Psid  = w x S               a velocity behind the joint changes by S x v_j + Psid,
-//   Psidd = c x S + w x Psid    an acceleration by S x a_j + Psid x v_j + Psidd
-// The first terms are the body being carried along; in efforts they cancel. The names are those of the source,
+// Dof k moves its whole subtree. With S its column of the motion subspace, v the velocity of its body, and w
+// and c the velocity and acceleration of the PARENT body:
+//   Sd    = v x S               time derivative of the column
+//   Psid  = w x S               for j in the subtree: dv_j/dq_k = S x v_j + Psid,
+//   Psidd = c x S + w x Psid    da_j/dq_k = S x a_j + Psid x v_j + Psidd
+// The first terms move the subtree as a whole and cancel in efforts. The names are those of the source,
 // with d for a dot: Singh, Russell, Wensing, Efficient analytical derivatives of rigid-body dynamics using
 // spatial vector algebra, 2022.
 #pragma once
@@ -15,7 +15,7 @@
 namespace rbd::inner {
 
 // Fills S, v, a, Sd, Psid, Psidd. `base`: acceleration of the universe (minus gravity, or zero).
-// Needs worldPoses. Given null qdd: zero.
+// Needs worldPoses. A null qdd means zero.
 inline void motionRates(const Joints& joints, const double* qd, const double* qdd,
                         const SpatialMotion<double>& base, Scratch<double>& s) {
   s.v[0] = SpatialMotion<double>::zero();

@@ -1,4 +1,4 @@
-// What the mechanics of the joints add to the dynamics, as model.terms says: rotors, damping, dry friction.
+// Joint mechanics in the dynamics, as selected by model.terms: rotors, damping, dry friction.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace rbd::inner {
 
-// Inertia of the rotors as the joints see it: nv.
+// Rotor inertia reflected to the joint: of dof k; of all nv dofs.
 inline double rotorOf(const Model& model, int k) {
   return (model.terms.armature ? model.armature[k] : 0.0) +
          (model.terms.rotor ? model.rotorGearRatio[k] * model.rotorGearRatio[k] * model.rotorInertia[k]
@@ -31,7 +31,7 @@ inline void addFrictionEfforts(const Model& model, const ConstVectorRef& v, doub
   for (int k = 0; k < model.nv; ++k) tau[k] += sign * model.friction[k] * std::tanh(v[k] / kSlipSpeed);
 }
 
-// Its slope in v, of dof k.
+// Derivative of that effort in v, for dof k.
 inline double frictionSlope(const Model& model, int k, double v) {
   return rbd::frictionSlope(model.terms.damping ? model.damping[k] : 0.0,
                             model.terms.friction ? model.friction[k] : 0.0, v);

@@ -2,7 +2,7 @@
 //
 // Branch-free for |x| <= 25000 rad, libm beyond. Error at most 2^-52 absolute (tests measure it against long
 // double). Method: k = round(x 2/pi); r = x - k pi/2 with pi/2 in three parts (the first two of 33 bits: k
-// times them is exact), kept as r + tail; Taylor series on |r| <= pi/4, whose first missing terms are below
+// times them is exact), kept as r + tail; Taylor series on |r| <= pi/4, whose first omitted terms are below
 // 5e-17; quadrant by k.
 #pragma once
 
@@ -18,7 +18,7 @@ using Mask4 = std::int64_t __attribute__((vector_size(32)));
 
 inline Lanes4 chooseLanes(Mask4 mask, Lanes4 yes, Lanes4 no) { return mask ? yes : no; }
 
-// Four angles; right only for |x| <= 25000.
+// Four angles; valid only for |x| <= 25000.
 inline void sincos4(Lanes4 x, Lanes4& sine, Lanes4& cosine) {
   constexpr double kTwoOverPi = 0.63661977236758134308;
   constexpr double kPi1 = 1.57079632673412561417e+00;  // first 33 bits of pi/2

@@ -1,8 +1,8 @@
-// Spatial vectors and inertias of the kernels. Book names and rules: Featherstone 2008, table 2.1 to 2.3,
+// Spatial vectors and inertias of the kernels. Names and rules as in Featherstone 2008, tables 2.1 to 2.3 and
 // appendix A.
 //
 // Motion (w, v), Force (n, f), angular first. The rigid inertia is (m, h = m c, I about the ORIGIN): three
-// terms that simply add when all bodies are written about one point along one set of axes.
+// terms that simply add when all bodies are expressed about one point in one set of axes.
 #pragma once
 
 #include "rbd/kernel/vec3.h"
@@ -59,9 +59,9 @@ struct RigidInertia {
   }
 };
 
-// What a moving body's inertia does to a motion: B m = 1/2 (v x* I m + m x* I v - I (v x m)). Of its 36
-// entries only a matrix N and the linear momentum p differ from zero: B m = (N w, -p x w). Like inertias,
-// they add. Source: Echeandia, Wensing, Numerical methods to compute the Coriolis matrix, 2021.
+// The Coriolis inertia of a moving body: B m = 1/2 (v x* I m + m x* I v - I (v x m)). Of its 6x6 entries only
+// a 3x3 block N and the linear momentum p are nonzero: B m = (N w, -p x w). Coriolis inertias add like rigid
+// ones. Source: Echeandia, Wensing, Numerical methods to compute the Coriolis matrix, 2021.
 template <class Scalar>
 struct CoriolisInertia {
   Mat3<Scalar> N;
@@ -93,7 +93,7 @@ struct CoriolisInertia {
 };
 
 // The articulated-body inertia: a full symmetric 6x6 as columns. (n; f) = [A B; B' M] (w; v).
-// It keeps B and its transpose, so that a product is twelve multiply-adds without any shuffle.
+// Both B and its transpose are stored, so that a product is twelve multiply-adds without any shuffle.
 template <class Scalar>
 struct ArticulatedInertia {
   Mat3<Scalar> A, B, Bt, M;
@@ -129,11 +129,11 @@ template <class Scalar>
 struct Pose {
   Mat3<Scalar> R, Rt;
   Vec3<Scalar> p;
-  // Motion of the parent, written in the child (Featherstone: X m).
+  // Motion from parent to child coordinates (Featherstone: X m).
   SpatialMotion<Scalar> toChild(const SpatialMotion<Scalar>& m) const {
     return {Rt * m.w, Rt * (m.v - cross(p, m.w))};
   }
-  // Force on the child, written in the parent (Featherstone: X' f).
+  // Force from child to parent coordinates (Featherstone: X' f).
   SpatialForce<Scalar> toParent(const SpatialForce<Scalar>& f) const {
     const Vec3<Scalar> ff = R * f.f;
     return {R * f.n + cross(p, ff), ff};

@@ -1,9 +1,9 @@
 // The kernels' own 3-vectors and 3x3 matrices.
 //
-// Eigen's fixed-size types cost the kernels a factor 1.6, three plain doubles 1.5 to 2.5: for double a Vec3
-// is ONE register of four lanes whose last lane stays 0, a Mat3 three of them (its columns). For any other
-// Scalar (long double in tests, a packet of many states) a Vec3 is three Scalars. Kernels are written once,
-// on the names below.
+// With Eigen's fixed-size types the kernels take 1.6 times as long, with three plain doubles 1.5 to 2.5 times.
+// So for double a Vec3 is ONE register of four lanes whose last lane stays 0, and a Mat3 is three of them (its
+// columns). For any other Scalar (long double in tests, a packet of many states) a Vec3 is three Scalars. The
+// kernels use only the names below, so that one source serves all scalar types.
 #pragma once
 
 namespace rbd::inner {
@@ -54,12 +54,12 @@ struct Vec3<double> {
   static Vec3 make(double x, double y, double z) { return {Lanes4{x, y, z, 0}}; }
   static Vec3 load(const double* p) { return {loadLanes(p)}; }
   static Vec3 loadU(const double* p) { return {Lanes4{p[0], p[1], p[2], 0}}; }
-  // Exactly three places are written.
+  // Writes exactly three entries.
   void storeU(double* p) const {
     *reinterpret_cast<Lanes2Unaligned*>(p) = __builtin_shufflevector(d, d, 0, 1);
     p[2] = d[2];
   }
-  // Writes a fourth place as well; for outputs whose next entries are written later.
+  // Writes a fourth entry too: only for outputs whose next entry is overwritten later.
   void storeWide(double* p) const { storeLanes(p, d); }
   double operator[](int i) const { return d[i]; }
 

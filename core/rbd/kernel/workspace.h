@@ -1,7 +1,7 @@
 // Scratch arrays of the kernels. One per Data; sizes are fixed when it is made.
 //
 // "World axes" below means: along the world's axes, about the CENTRE, a point near the robot (the first
-// joint's origin), so that a robot far from the world's origin loses no digits. All bodies written so,
+// joint's origin), so that a robot far from the world's origin loses no precision. In this form
 // inertias, forces and momenta simply add. "Local" means: in the joint's own kernel frame (z along its axis,
 // see packed_joint.h).
 #pragma once
@@ -40,11 +40,11 @@ struct Scratch {
   std::vector<Scalar> inverseD;                 // nv       1 / (S' U + rotor)                     articulate
   std::vector<Scalar> u;                        // nv       tau - S' f                             aba
   std::vector<Scalar> largestD;                 // bodies   of all dofs at and beyond the joint    articulate
-  std::vector<Scalar> F, P;                     // 6 stride; per depth: one row per coordinate     computeMinverse
+  std::vector<Scalar> F, P;                     // 6 stride   a row a coordinate; P: per depth     computeMinverse
   // clang-format on
 };
 
-// What computeForwardKinematicsDerivatives leaves for its getters; names as in Scratch.
+// Results of computeForwardKinematicsDerivatives that its getters read; names as in Scratch.
 struct KeptRates {
   std::vector<SpatialMotion<double>> S, Sd, Psid, Psidd, v, a;
   Vec3<double> centre = Vec3<double>::zero();
@@ -58,14 +58,14 @@ struct Workspace {
   // of the tree's dofs
   std::vector<int> dofParent;   // nv, the dof before this one on the way to the root, -1 = none
   std::vector<int> order;       // nv, dofs in depth-first order
-  std::vector<int> subtreeEnd;  // nv, by position in `order`: end of the positions that this dof moves
-  std::vector<int> depth;       // nv, by position in `order`: number of dofs above
+  std::vector<int> subtreeEnd;  // nv, by position in `order`: one past the last position in its subtree
+  std::vector<int> depth;       // nv, by position in `order`: number of ancestor dofs
   bool depthFirst = true;       // order is 0, 1, 2, ..
   int stride = 0;               // nv rounded up to 8
   std::vector<double> W;        // nv x stride, Minv in depth-first order where that is not the model's
   Scratch<double> scratch;
   KeptRates kept;
-  std::vector<int> related;  // nv, dofs that one dof moves or is moved by
+  std::vector<int> related;  // nv, ancestors and descendants of one dof
   std::vector<bool> inside;  // bodies, marks
 
   // of the user's dofs

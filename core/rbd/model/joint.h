@@ -1,8 +1,8 @@
-// Joints as a user names them: kind, axis, how many numbers they take. Plain values.
+// Joints as the user defines them: kind, axis, size in q and v. Plain values.
 //
-// What a kind is stands in traits() below; what a kernel does with it in kernel/joint_kinds.h, how configurations of
-// a manifold are added and compared in kernel/manifold.h. No other place distinguishes kinds, and no switch over them
-// has a default: the compiler names what a new kind has left out.
+// traits() below defines each kind; kernel/joint_kinds.h has its kinematics, kernel/manifold.h the integration and
+// difference of its configurations. No other place distinguishes kinds, and no switch over them has a default: the
+// compiler reports each place that does not handle a new kind.
 //
 // clang-format off
 //   kind                    shortname                      q                              v
@@ -44,10 +44,10 @@ enum class JointKind {
   FreeFlyer
 };
 
-// Where the configurations of a joint live.
+// The configuration space of a joint.
 enum class Manifold {
-  Angles,      // nq = nv, angles that add
-  Lengths,     // nq = nv, lengths that add
+  Angles,      // nq = nv, angles, added as numbers
+  Lengths,     // nq = nv, lengths, added as numbers
   Rotation,    // unit quaternion
   PlanarPose,  // x y cos sin
   Pose         // position, unit quaternion
@@ -56,14 +56,14 @@ enum class Manifold {
 // How a joint moves in the kernels, where its axis is z (packed_joint.h).
 enum class KernelKind { None, TurnZ, SlideZ, ScrewZ, Ball, Planar, Translate, Free };
 
-// What a kind of joint is.
+// The properties of a joint kind.
 struct JointTraits {
   const char* letter;  // "RZ" for the z axis ..
   const char* name;    // .. and this for any other axis, or for kinds without an axis
   int nq, nv;
   Manifold manifold;
   KernelKind kernel;
-  int kernel_joints;  // how many joints of that kind it is in the kernels' tree, one behind the other
+  int kernel_joints;  // number of kernel joints, in series, that it becomes in the kernels' tree
 };
 
 constexpr JointTraits traits(JointKind kind) {
@@ -92,7 +92,7 @@ constexpr JointTraits traits(JointKind kind) {
   __builtin_unreachable();
 }
 
-// How many of the last numbers of a configuration have length 1 together: a quaternion, or cosine and sine.
+// Number of entries at the end of a configuration that form a unit vector: a quaternion, or cosine and sine.
 constexpr int unitSize(Manifold manifold) {
   switch (manifold) {
     case Manifold::Angles:
@@ -107,10 +107,10 @@ constexpr int unitSize(Manifold manifold) {
   __builtin_unreachable();
 }
 
-// Whether configurations add like the numbers they are made of: nq = nv, q + v.
+// Whether configurations form a vector space: nq = nv, q + v.
 constexpr bool isVectorSpace(Manifold manifold) { return unitSize(manifold) == 0; }
 
-// The part of a joint's numbers in q that has length 1.
+// The entries of a joint in q that form a unit vector.
 struct UnitPart {
   int at = 0, size = 0;   // q[at] .. q[at + size - 1]; size 0: there is none
   const char* name = "";  // "quaternion (x, y, z, w)", "direction (cos, sin)"
@@ -118,7 +118,7 @@ struct UnitPart {
 
 class JointModel {
  public:
-  // The joint of the universe. Users build the types below.
+  // The joint of the universe. Users construct the types below.
   JointModel() = default;
 
   JointKind kind() const { return kind_; }
@@ -132,10 +132,10 @@ class JointModel {
   std::string shortname() const;
   int nq() const { return mimics_ ? 0 : kind_nq(); }
   int nv() const { return mimics_ ? 0 : kind_nv(); }
-  // Numbers of the kind, whether it follows another joint or not.
+  // Sizes of the kind, also when the joint follows another.
   int kind_nq() const { return traits(kind_).nq; }
   int kind_nv() const { return traits(kind_).nv; }
-  // Where this joint's numbers start in q and in v; set by Model, -1 before.
+  // First index of this joint in q and in v; set by Model, -1 before.
   int idx_q() const { return idx_q_; }
   int idx_v() const { return idx_v_; }
   bool mimics() const { return mimics_; }
@@ -192,7 +192,7 @@ struct JointModelPY : JointModelPrismaticUnaligned {
 struct JointModelPZ : JointModelPrismaticUnaligned {
   JointModelPZ() : JointModelPrismaticUnaligned(0, 0, 1) {}
 };
-// Turns by q about the axis and slides by pitch q along it. Throws when pitch is not finite.
+// Rotates by q about the axis and translates by pitch * q along it. Throws when pitch is not finite.
 struct JointModelHelicalUnaligned : JointModel {
   JointModelHelicalUnaligned(const Eigen::Vector3d& axis, double pitch)
       : JointModel(JointKind::Helical, axis, pitch) {}
@@ -206,7 +206,7 @@ struct JointModelHY : JointModelHelicalUnaligned {
 struct JointModelHZ : JointModelHelicalUnaligned {
   explicit JointModelHZ(double pitch) : JointModelHelicalUnaligned({0, 0, 1}, pitch) {}
 };
-// Turns by q[0] about `first`, then by q[1] about `second` (which is carried along). Not parallel.
+// Rotates by q[0] about `first`, then by q[1] about `second` (which moves with the first). Not parallel.
 struct JointModelUniversal : JointModel {
   JointModelUniversal(const Eigen::Vector3d& first, const Eigen::Vector3d& second)
       : JointModel(JointKind::Universal, first, second) {}
@@ -214,7 +214,7 @@ struct JointModelUniversal : JointModel {
 struct JointModelSpherical : JointModel {
   JointModelSpherical() : JointModel(JointKind::Spherical) {}
 };
-// Slides in the plane across `normal` and turns about it. With normal z, x and y are the frame's own.
+// Translates across `normal` and rotates about it. With normal z, x and y are the frame's own.
 struct JointModelPlanar : JointModel {
   explicit JointModelPlanar(const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ())
       : JointModel(JointKind::Planar, normal) {}

@@ -2,7 +2,7 @@
 //
 // Joint 0 is the universe. A parent is always added before its children, so parents[i] < i. Build it with
 // addJoint and appendBodyToJoint (or from URDF), then share it const between threads; each thread makes its
-// own Data. A Model may be extended later: Data made before no longer fits and the algorithms say so. SI
+// own Data. A Model may be extended later: a Data made earlier no longer fits, which algorithms report. SI
 // units, radians; position limits have nq entries, all other vectors nv. Errors: std::invalid_argument with
 // names and values; nothing is changed when a call throws.
 #pragma once
@@ -29,7 +29,7 @@ struct JointLimits {
   Eigen::VectorXd lowerEffort, upperEffort;      // nv
 };
 
-// That a joint follows another: q = multiplier * q(leader) + offset. leader < 0: it does not.
+// How a joint follows another: q = multiplier * q(leader) + offset. leader < 0: it follows none.
 struct Mimic {
   JointIndex leader = -1;
   double multiplier = 1, offset = 0;
@@ -62,7 +62,7 @@ class Model {
   List<std::string> names;    // of joints
   List<JointIndex> parents;   // parents[0] = 0
   List<SE3> jointPlacements;  // frame of joint i at neutral, in the frame of its parent joint
-  List<Inertia> inertias;  // all bodies that move with joint i, in its frame; [0]: what stands on the ground
+  List<Inertia> inertias;  // all bodies that move with joint i, in its frame; [0]: bodies fixed to the world
   List<Frame> frames;      // [0] is the universe
 
   Motion gravity;  // acceleration of free fall in the world; only its linear part is used
@@ -73,13 +73,13 @@ class Model {
   Eigen::VectorXd armature;                                // kg m^2 or kg: inertia seen at the joint
   Eigen::VectorXd rotorInertia, rotorGearRatio;  // kg m^2 or kg, of the motor; motor turns per joint turn
   Eigen::VectorXd damping, friction;             // N m s/rad and N m
-  JointTerms terms;                              // which of these four the algorithms see
+  JointTerms terms;                              // which of these the algorithms include
 
   // Adds a joint below `parent` and one JOINT frame of the same name. `placement`: frame of the new joint at
   // neutral in the parent joint's frame. Returns its index.
   JointIndex addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
                       const std::string& name);
-  // `parentFrame`: the frame it hangs on in tree prints (a link, say); -1: the parent joint's own.
+  // `parentFrame`: its parent in printed trees (a link, for example); -1: the frame of the parent joint.
   JointIndex addJoint(JointIndex parent, const JointModel& joint, const SE3& placement,
                       const std::string& name, const JointLimits& limits, FrameIndex parentFrame = -1);
   // With symmetric limits: effort and velocity (joint nv entries, >= 0), lower and upper (joint nq entries).
@@ -87,15 +87,15 @@ class Model {
                       const std::string& name, const Eigen::VectorXd& effort, const Eigen::VectorXd& velocity,
                       const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
-  // Lets a one-dof joint follow another one, which may follow a third: q = multiplier q(leader) + offset. The
-  // follower then has no numbers in q and v, and no limits, armature or friction of its own.
+  // Makes a one-dof joint follow another, which may follow a third: q = multiplier q(leader) + offset. The
+  // follower then has no entries in q and v, and no limits, armature or friction of its own.
   void setMimic(JointIndex follower, JointIndex leader, double multiplier = 1, double offset = 0);
   const Mimic& mimic(JointIndex joint) const { return mimics_[static_cast<std::size_t>(joint)]; }
 
   // Welds a body to a joint's moving part; `placement`: the body's frame in the joint's frame.
   void appendBodyToJoint(JointIndex joint, const Inertia& body, const SE3& placement = SE3::Identity());
 
-  // Adds a frame, returns its index. A name may be used once per type (a link may be called like its joint).
+  // Adds a frame, returns its index. A name may be used once per type (a link may have its joint's name).
   // A frame that carries inertia is a body: it is welded to its joint as by appendBodyToJoint.
   FrameIndex addFrame(const Frame& frame);
   // A frame of type BODY.
@@ -111,7 +111,7 @@ class Model {
   FrameIndex frameId(const std::string& name) const;
   JointIndex jointId(const std::string& name) const;
 
-  // Changes after building, for calibration and for models that are wrong on purpose.
+  // Changes after building, for calibration and for deliberately wrong models.
   void setInertia(JointIndex joint, const Inertia& inertia);
   void setJointPlacement(JointIndex joint, const SE3& placement);
   void setFramePlacement(FrameIndex frame, const SE3& placement);
@@ -127,9 +127,9 @@ class Model {
  private:
   void requireJoint(const char* function, JointIndex joint) const;
   void pack(JointIndex joint);
-  // A new joint's bodies in the kernels' tree.
+  // Adds a new joint's bodies to the kernels' tree.
   void grow(const JointModel& joint, JointIndex parent);
-  // Gives every joint its places in q and v, and makes the mimic map again.
+  // Assigns idx_q and idx_v of every joint and rebuilds the mimic map.
   void renumber();
   void mapJoint(JointIndex joint);
   void appendBlock(const JointModel& joint);

@@ -1,13 +1,13 @@
-// What the kernels see of a robot: a tree of bodies, each behind a joint of a few simple kinds. Not for
-// users.
+// A robot as the kernels see it: a tree of bodies, each moved by a joint of one of a few simple kinds.
+// Internal.
 //
 // It differs from the user's Model in three ways, so that no kernel needs to know of them:
 // - every joint with one axis is ALIGNED (by R_user): its kernel frame has the user's origin and a z axis
-//   along the joint axis, so that one kernel moves all of them about or along z. Where the two frames meet
-//   (here and in algorithm/to_user_frames.h) a rotation is taken back by R_user_T;
+//   along the joint axis, so that one kernel moves all of them about or along z. Results are converted
+//   back to the user's frame in algorithm/to_user_frames.h;
 // - a universal joint is two turning joints with a massless body between;
 // - joints that mimic others are independent: the tree has its own q and v (tree.nq, tree.nv entries),
-//   which a linear map makes from the user's; efforts come back by its transpose (kernel/mimic.h).
+//   computed from the user's by a linear map; its transpose maps efforts back (kernel/mimic.h).
 // Plain doubles, so that any scalar type can be loaded from them; 3-vectors take 4 places (the last is 0), 3x3
 // matrices three such columns.
 #pragma once
@@ -38,24 +38,24 @@ struct alignas(64) PackedJoint {
 // From the user's q and v to the tree's:  q_tree[k] = ratio[k] q[source[k]] + offset[k], and v alike without
 // offset.
 struct MimicMap {
-  bool identity = true;  // nothing mimics: the tree's q and v are the user's
+  bool identity = true;  // no mimic joints: the tree's q and v are the user's
   std::vector<int> q_source, v_source;
   std::vector<double> q_ratio, q_offset, v_ratio;
 };
 
-// Neighbouring entries of the user's q and v that live in one space: all numbers in a row, or one joint's
+// A contiguous block of the user's q and v: a run of vector-space entries (several joints), or one joint's
 // rotation or pose.
 struct ConfigurationBlock {
   Manifold manifold;
   int idx_q, idx_v, nv;
-  // The part of q that has length one: a quaternion, or cosine and sine.
+  // The entries of q that form a unit vector: a quaternion, or cosine and sine.
   int unit_at = 0, unit_size = 0;
 };
 
 struct KernelTree {
   std::vector<PackedJoint> joints;  // [0] is the universe
   std::vector<int> bodyOf;          // per joint of the model: the entry of `joints` that moves with it
-  int nq = 0, nv = 0;               // every joint independent
+  int nq = 0, nv = 0;               // counting every joint as independent
   MimicMap mimic;
   std::vector<ConfigurationBlock> blocks;  // of the user's q, in order
 

@@ -14,15 +14,15 @@ Eigen::Vector3d moments_of(const Eigen::Matrix3d& inertia) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-// Files carry about six digits: what is negative by less is zero.
+// Files have about six digits: a smaller negative moment counts as zero.
 double slack_of(const Eigen::Vector3d& moments) { return 1e-6 * moments.cwiseAbs().maxCoeff(); }
 
-// Anything within a micrometre of the centre of mass is a point.
+// A radius of gyration of at most a micrometre is a point mass.
 bool is_point(const Eigen::Vector3d& moments, double mass) {
   return moments.cwiseAbs().maxCoeff() <= 1e-12 * mass;
 }
 
-// One link's own inertia; `body`: all that moves with it, `fixed`: it stands on the ground and never moves.
+// One link's own inertia; `body`: all that moves with it; `fixed`: the link is fixed to the world.
 void check_link(const Link& link, const Inertia& body, bool fixed, Report& report) {
   if (!link.inertial) return;
   const double mass = link.inertial->mass;
@@ -67,7 +67,7 @@ void check_inertia(const Model& model, const Description& robot, Report& report)
   for (JointIndex i = 1; i < model.njoints; ++i) {
     const Inertia& body = model.inertias[i];
     const JointModel& joint = model.joints[i];
-    const auto found = robot.joints.find(model.names[i]);  // not there: the root joint
+    const auto found = robot.joints.find(model.names[i]);  // not found: the root joint
     const int line = found == robot.joints.end() ? 0 : found->second.line;
     const std::string owner = "joint '" + model.names[i] + "'";
 

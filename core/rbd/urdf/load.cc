@@ -30,8 +30,8 @@ GeometryModel place_shapes(std::vector<LinkShape> shapes, const Model& model) {
   return out;
 }
 
-// Everything between text and Loaded, in stages: a stage runs only when those before found no error, so that
-// one mistake gives one message.
+// From text to Loaded, in stages: a stage runs only when the previous ones found no error, so that one
+// mistake gives one message.
 void load_checked(const std::string& text, const Options& options, Loaded& out, Report& report) {
   // XML: well-formed, one <robot>, known elements
   tinyxml2::XMLDocument document;
@@ -45,14 +45,14 @@ void load_checked(const std::string& text, const Options& options, Loaded& out, 
   std::vector<LinkShape> shapes = read_shapes(*xml, report);
   if (report.failed()) return;
 
-  // all of them together
+  // checks across links and joints
   const std::string root = check_tree(robot, report);
   check_names(robot, options.floating_base, report);
   if (report.failed()) return;
   check_mimic(robot, options.mimic, report);
   if (report.failed()) return;
 
-  // the model, and whether its bodies can exist
+  // the model, and whether its inertias are physically possible
   build(robot, root, options, out.model);
   check_inertia(out.model, robot, report);
   if (report.failed()) return;
@@ -95,7 +95,7 @@ Loaded loadXML(const std::string& text, const Options& options, const std::strin
   Report report(name);
   try {
     load_checked(text, options, out, report);
-  } catch (const std::exception& e) {  // of the core: the checks above should have been first
+  } catch (const std::exception& e) {  // thrown by the core: the stages above lack a check for it
     report.error(0, "", e.what());
   }
   if (options.strict) report.refuse_warnings();
