@@ -196,11 +196,13 @@ json version_rows(const json& manifest) {
                                    {"run", "run"},
                                    {"model_hash", "model hash"}})
     add(label, manifest.value(key, json()));
-  for (const auto& [name, version] : manifest.value("libraries", json::object()).items()) add(name, version);
-  for (const auto& [name, hash] : manifest.value("hashes", json::object()).items())
-    add("hash of " + name, hash);
+  const json libraries = manifest.value("libraries", json::object());
+  for (const auto& [name, version] : libraries.items()) add(name, version);
+  const json hashes = manifest.value("hashes", json::object());
+  for (const auto& [name, hash] : hashes.items()) add("hash of " + name, hash);
+  const json exit_codes = manifest.value("exit_codes", json::object());
   std::string codes;
-  for (const auto& [name, code] : manifest.value("exit_codes", json::object()).items())
+  for (const auto& [name, code] : exit_codes.items())
     codes += (codes.empty() ? "" : ", ") + name + " " + code.dump();
   if (manifest.contains("exit_codes")) add("exit codes", codes);
   return rows;

@@ -107,7 +107,7 @@ TEST_F(Program, TreeOfTheArm) {
     for (const json& child : node["children"]) n += self(self, child);
     return n;
   };
-  for (const char* robot : {kArm, "builtin:humanoid"}) {
+  for (const std::string& robot : {kArm, std::string("builtin:humanoid")}) {
     const json nested = json::parse(run(std::string("tree --json ") + robot).out);
     const json info = json::parse(run(std::string("info --json ") + robot).out);
     EXPECT_EQ(count(count, nested), info["frames"].size()) << robot;

@@ -210,10 +210,14 @@ TEST(Axis, TicksAreRoundAndLineUp) {
 }
 
 TEST(HeatMap, ColoursFollowTheValues) {
-  HeatMap map{.title = "map", .x_name = "x", .y_name = "y", .value_name = "v"};
-  map.columns = {"1", "2"};
-  map.rows = {"a", "b"};
-  map.cells = {{1, false, "low"}, {NAN, false, "none"}, {2, true, "part"}, {3, false, "high"}};
+  const HeatMap map{
+      .title = "map",
+      .x_name = "x",
+      .y_name = "y",
+      .value_name = "v",
+      .columns = {"1", "2"},
+      .rows = {"a", "b"},
+      .cells = {{1, false, "low"}, {NAN, false, "none"}, {2, true, "part"}, {3, false, "high"}}};
   const std::string svg = draw(map);
   EXPECT_NE(svg.find("fill=\"#440154\"><title>low</title>"), std::string::npos)
       << svg;  // the ends of viridis
