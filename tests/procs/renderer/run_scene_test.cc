@@ -123,7 +123,8 @@ TEST(RunScene, ATraceCostsThePictureTheSameHoweverLongItIs) {
   for (int64_t step = 10; step <= 140; ++step) {
     size_t own = 0;
     last = 0;
-    for (const render::Part& part : run.shot(sample_moment(robot.model, step)).scene.bodies[0].parts) {
+    const Shot shot = run.shot(sample_moment(robot.model, step));
+    for (const render::Part& part : shot.scene.bodies[0].parts) {
       last += part.mesh->positions.size();
       if (!kept.insert(part.mesh.get()).second) continue;
       alive.push_back(part.mesh);
@@ -148,7 +149,8 @@ TEST(RunScene, PicturesOutOfOrderHaveTheSameTrace) {
   remember_all(backwards, robot.model);
   const auto positions = [&](RunScene& run, int64_t step) {
     std::vector<Eigen::Vector3f> all;
-    for (const render::Part& part : run.shot(sample_moment(robot.model, step)).scene.bodies[0].parts)
+    const Shot shot = run.shot(sample_moment(robot.model, step));
+    for (const render::Part& part : shot.scene.bodies[0].parts)
       all.insert(all.end(), part.mesh->positions.begin(), part.mesh->positions.end());
     return all;
   };
