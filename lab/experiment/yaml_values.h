@@ -20,7 +20,7 @@ namespace lab::yaml {
 /// Thrown while one value is read; the reader adds where it stands.
 struct Fault {
   std::string message;
-  std::string below = "";  ///< the part of the value that is meant: ".max_error.max"
+  std::string below{};  ///< the part of the value that is meant: ".max_error.max"
 };
 
 inline std::string show(const YAML::Node& node) {
