@@ -60,7 +60,7 @@ lcm_t* open_lcm() {
 lab::robot_state_t state_message() {
   lab::robot_state_t state{};
   state.nq = state.nv = kJoints;
-  state.q.assign(kJoints, 0), state.v.assign(kJoints, 0), state.tau.assign(kJoints, 0);
+  for (auto* x : {&state.q, &state.v, &state.tau}) x->assign(kJoints, 0);
   return state;
 }
 
@@ -69,8 +69,10 @@ lab::robot_state_t state_message() {
   Subscription<lab::robot_state_t, std::function<void(const lab::robot_state_t&)>> states(
       lcm, "ROBOT_STATE", [&](const auto& state) {
         lab::reference_t reference{};
-        reference.step = state.step, reference.nq = reference.nv = kJoints;
-        reference.q = state.q, reference.v = state.v, reference.a = state.v;
+        reference.step = state.step;
+        reference.nq = reference.nv = kJoints;
+        reference.q = state.q;
+        reference.v = reference.a = state.v;
         publish(lcm, "REFERENCE", reference);
       });
   for (;;) lcm_handle(lcm);
@@ -81,7 +83,9 @@ lab::robot_state_t state_message() {
   Subscription<lab::reference_t, std::function<void(const lab::reference_t&)>> references(
       lcm, "REFERENCE", [&](const auto& reference) {
         lab::command_t command{};
-        command.step = reference.step, command.nv = kJoints, command.tau = reference.a;
+        command.step = reference.step;
+        command.nv = kJoints;
+        command.tau = reference.a;
         publish(lcm, "COMMAND", command);
       });
   for (;;) lcm_handle(lcm);
@@ -108,7 +112,10 @@ int main(int argc, char** argv) {
   double begin = 0;
   int64_t timed = 0;
   for (int64_t step = 0; step < steps; ++step) {
-    if (step == steps / 10) begin = now(), timed = steps - step;  // the first tenth warms up
+    if (step == steps / 10) {  // the first tenth warms up
+      begin = now();
+      timed = steps - step;
+    }
     state.step = step;
     do {
       publish(lcm, "ROBOT_STATE", state);  // again after 100 ms: the others may still be starting
@@ -117,5 +124,8 @@ int main(int argc, char** argv) {
     } while (answered < step);
   }
   std::printf("%lld %.6f\n", static_cast<long long>(timed), now() - begin);
-  for (pid_t pid : others) kill(pid, SIGKILL), waitpid(pid, nullptr, 0);
+  for (pid_t pid : others) {
+    kill(pid, SIGKILL);
+    waitpid(pid, nullptr, 0);
+  }
 }

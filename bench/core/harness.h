@@ -60,15 +60,21 @@ inline Robot read(const std::string& file) {
     } else if (word == "joint") {
       Joint j;
       text >> j.name >> j.parent >> j.kind;
-      numbers(j.axis), numbers(j.rotation), numbers(j.translation);
+      numbers(j.axis);
+      numbers(j.rotation);
+      numbers(j.translation);
       text >> j.mass;
-      numbers(j.com), numbers(j.inertia);
+      numbers(j.com);
+      numbers(j.inertia);
       robot.joints.push_back(j);
     } else {
       const std::size_t nq = static_cast<std::size_t>(robot.nq), nv = static_cast<std::size_t>(robot.nv);
       State s{std::vector<double>(nq), std::vector<double>(nv), std::vector<double>(nv),
               std::vector<double>(nv)};
-      numbers(s.q), numbers(s.v), numbers(s.a), numbers(s.tau);
+      numbers(s.q);
+      numbers(s.v);
+      numbers(s.a);
+      numbers(s.tau);
       robot.states.push_back(s);
     }
     if (!text) throw std::runtime_error(file + ": bad line: " + line.substr(0, 60));
@@ -84,7 +90,8 @@ class Check {
   void add(const std::string& quantity, double value) {
     for (auto& [name, sum, count] : sums_) {
       if (name == quantity) {
-        sum += value, ++count;
+        sum += value;
+        ++count;
         return;
       }
     }
@@ -126,7 +133,8 @@ class Bench {
     for (int i = 1; i < argc; ++i) {
       const std::string word = argv[i];
       if (word == "--quick") {
-        blocks_ = 3, block_ns_ = 1e5;
+        blocks_ = 3;
+        block_ns_ = 1e5;
       } else if (word == "--only" && i + 1 < argc) {
         only_ = std::string(",") + argv[++i] + ",";
       } else {
@@ -155,7 +163,7 @@ class Bench {
     round();  // warm: caches, branch predictors, pages
     const double start = now();
     int rounds = 0;
-    while (now() - start < block_ns_) round(), ++rounds;
+    for (; now() - start < block_ns_; ++rounds) round();
     std::vector<double> ns;
     for (int block = 0; block < blocks_; ++block) {
       const double t = now();

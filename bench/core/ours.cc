@@ -35,8 +35,10 @@ States states(const bench::Robot& robot) {
     return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
   };
   for (const bench::State& s : robot.states) {
-    all.q.push_back(vector(s.q)), all.v.push_back(vector(s.v));
-    all.a.push_back(vector(s.a)), all.tau.push_back(vector(s.tau));
+    all.q.push_back(vector(s.q));
+    all.v.push_back(vector(s.v));
+    all.a.push_back(vector(s.a));
+    all.tau.push_back(vector(s.tau));
   }
   return all;
 }

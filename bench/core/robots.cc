@@ -82,7 +82,8 @@ rbd::Model lock(const rbd::Model& full, const std::string& word) {
     const std::size_t k = static_cast<std::size_t>(i), parent = static_cast<std::size_t>(full.parents[k]);
     const rbd::SE3 X = place[parent] * full.jointPlacements[k];
     if (!word.empty() && full.names[k].find(word) != std::string::npos) {
-      joint[k] = joint[parent], place[k] = X;
+      joint[k] = joint[parent];
+      place[k] = X;
     } else {
       joint[k] = model.addJoint(joint[parent], full.joints[k], X, full.names[k]);
     }

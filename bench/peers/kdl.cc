@@ -47,7 +47,10 @@ void measure(const bench::Bench& bench, const bench::Robot& robot) {
   const unsigned n = static_cast<unsigned>(robot.nv);
   std::vector<KDL::JntArray> q, v, a, tau;
   for (const bench::State& s : robot.states) {
-    q.push_back(array(s.q)), v.push_back(array(s.v)), a.push_back(array(s.a)), tau.push_back(array(s.tau));
+    q.push_back(array(s.q));
+    v.push_back(array(s.v));
+    a.push_back(array(s.a));
+    tau.push_back(array(s.tau));
   }
 
   const KDL::Vector down(0, 0, -9.81);
