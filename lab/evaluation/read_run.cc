@@ -10,7 +10,7 @@
 
 #include "lab/experiment/experiment_yaml.h"
 #include "procs/simulator/replay.h"
-#include "wire/log/log_reader.h"
+#include "wire/log/logged_messages.h"
 #include "wire/protocol/convert.h"
 #include "wire/schema/codec.h"
 #include "wire/schema/guard.h"
@@ -42,17 +42,17 @@ class RunReader {
   explicit RunReader(const std::string& log) : log_(log) {}
 
   LoggedRun read() {
-    LogReader reader(log_);
-    for (LogEvent event; reader.next(event);) {
-      const auto channel = channel_of(event.channel);
-      if (!channel) continue;
-      if (const Verdict verdict = guard_.check(*channel, event.data); !verdict)
-        throw std::runtime_error(log_ + ": event " + std::to_string(event.number) + ": " + verdict.reason);
-      if (*channel == Channel::Run && !begun_)
-        begin(decode<run_t>(event.data));
-      else if (begun_)
-        take(*channel, event.data);
-    }
+    for_each_message(
+        log_, guard_,
+        [this](Channel channel, std::span<const uint8_t> data) {
+          if (channel == Channel::Run && !begun_)
+            begin(decode<run_t>(data));
+          else if (begun_)
+            take(channel, data);
+        },
+        [this](const LogEvent& event, const Verdict& verdict) {
+          throw std::runtime_error(log_ + ": event " + std::to_string(event.number) + ": " + verdict.reason);
+        });
     if (!begun_) throw std::runtime_error(log_ + ": has no RUN message; it is not the log of a run");
     replay();
     pair_with_references();

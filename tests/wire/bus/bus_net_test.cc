@@ -15,21 +15,14 @@
 #include <random>
 
 #include "core/util/big_endian.h"
+#include "tests/wire/bus/noise.h"
 #include "wire/bus/bus.h"
 #include "wire/bus/udpm_wire.h"
 
 namespace lab {
 namespace {
 
-using Bytes = std::vector<uint8_t>;
 using Clock = std::chrono::steady_clock;
-
-Bytes noise(size_t n, uint32_t seed) {
-  std::mt19937 rng(seed);
-  Bytes out(n);
-  for (uint8_t& b : out) b = static_cast<uint8_t>(rng());
-  return out;
-}
 
 struct Message {
   std::string channel;

@@ -12,9 +12,9 @@
 #include <lab/input_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
-#include <random>
 
 #include "tests/support/paths.h"
+#include "tests/wire/bus/noise.h"
 #include "wire/bus/bus.h"
 #include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
@@ -23,15 +23,7 @@
 namespace lab {
 namespace {
 
-using Bytes = std::vector<uint8_t>;
 using Clock = std::chrono::steady_clock;
-
-Bytes noise(size_t n, uint32_t seed) {
-  std::mt19937 rng(seed);
-  Bytes out(n);
-  for (uint8_t& b : out) b = static_cast<uint8_t>(rng());
-  return out;
-}
 
 // A child process; ended when the object goes.
 class Child {
