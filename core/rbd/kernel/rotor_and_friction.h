@@ -33,8 +33,8 @@ inline void addFrictionEfforts(const Model& model, const ConstVectorRef& v, doub
 
 // Derivative of that effort in v, for dof k.
 inline double frictionSlope(const Model& model, int k, double v) {
-  return rbd::frictionSlope(model.terms.damping ? model.damping[k] : 0.0,
-                            model.terms.friction ? model.friction[k] : 0.0, v);
+  const double damping = model.terms.damping ? model.damping[k] : 0.0;
+  return model.terms.friction ? rbd::frictionSlope(damping, model.friction[k], v) : damping;
 }
 
 }  // namespace rbd::inner
