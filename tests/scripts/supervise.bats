@@ -199,6 +199,18 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   grep -q '^phase ended' "$group/state"
 }
 
+@test "a line that is read in two parts, because the time was over in between, counts" {
+  supervise_in_background "simulator: $nap; : $mark"
+  eventually 10 grep -q '^process simulator running [1-9]' "$group/state" # no other line is on its way
+  exec {control}>"$group/control"
+  printf ST >&"$control"
+  read -rt 1.5 <> <(:) || true # longer than the supervisor waits for a line
+  printf 'OP\n' >&"$control"
+  code_of $boss
+  [ "$status" -eq 0 ]
+  grep -q "send INT to simulator" "$group/supervisor.log"
+}
+
 @test "the state names pids as the host sees them" {
   supervise_in_background "simulator: echo up; $nap; : $mark"
   eventually 10 test -s "$group/simulator.log"
