@@ -15,16 +15,19 @@ else()
 endif()
 
 find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(nlohmann_json REQUIRED)
 set(COMMON_HEADERS <algorithm> <cmath> <functional> <map> <memory> <optional> <span> <stdexcept> <string> <vector>
-                   <Eigen/Core> <Eigen/Geometry>)
+                   <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp>)
 set(PROGRAM_HEADERS <CLI/CLI.hpp>)
 set(TEST_HEADERS <gtest/gtest.h>)
 # -fPIC: programs would be compiled with -fPIE, and could not share with libraries
 set(PROGRAM_FLAGS $<$<CONFIG:Release>:-O1> -fPIC)
 set(TEST_FLAGS ${PROGRAM_FLAGS})
 set(PROGRAM_LIBS CLI11::CLI11)
-# g++ refuses a precompiled header when a macro that occurs in it is defined differently: GTEST_HAS_PTHREAD
+# g++ refuses a precompiled header when a macro that occurs in it is defined differently: GTEST_HAS_PTHREAD, FMT_SHARED
 set(TEST_LIBS GTest::gtest)
+add_compile_definitions(FMT_SHARED)
 
 file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/empty.cc CONTENT "")
 set(kinds LIBRARY PROGRAM)
@@ -34,7 +37,7 @@ endif()
 foreach(kind ${kinds})
   string(TOLOWER ${kind}_headers name)
   add_library(${name} OBJECT EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/empty.cc)
-  target_link_libraries(${name} PRIVATE Eigen3::Eigen ${${kind}_LIBS})
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json ${${kind}_LIBS})
   target_compile_options(${name} PRIVATE ${${kind}_FLAGS})
   target_precompile_headers(${name} PRIVATE ${COMMON_HEADERS} ${${kind}_HEADERS})
 endforeach()

@@ -12,7 +12,7 @@ namespace {
 
 std::string count_fault(const Action& action, size_t wanted) {
   if (action.values.size() == wanted) return "";
-  return action.verb + " has " + std::to_string(action.values.size()) + " values, needed " +
+  return action.verb + " has " + std::to_string(action.values.size()) + " values, expected " +
          std::to_string(wanted);
 }
 
@@ -59,7 +59,7 @@ std::string push_fault(const rbd::Model& model, const Action& action) {
   if (std::string fault = frame_fault(model, action.target); !fault.empty()) return fault;
   if (std::string fault = count_fault(action, 7); !fault.empty()) return fault + ": torque, force, seconds";
   if (!(action.values[6] > 0 && action.values[6] <= 60))
-    return "push for " + number(action.values[6]) + " s, needed more than 0 and at most 60";
+    return "push for " + number(action.values[6]) + " s, expected more than 0 and at most 60";
   return "";
 }
 
@@ -68,7 +68,7 @@ std::string payload_fault(const rbd::Model& model, const Action& action) {
   if (std::string fault = count_fault(action, 4); !fault.empty())
     return fault + ": mass and its position in the frame";
   if (!(action.values[0] >= 0 && action.values[0] <= 1e6))
-    return "payload of " + number(action.values[0]) + " kg, needed at least 0 and at most 1e+06";
+    return "payload of " + number(action.values[0]) + " kg, expected at least 0 and at most 1e+06";
   return "";
 }
 

@@ -17,7 +17,7 @@ std::string target_fault(const rbd::Model& model, const Action& action) {
   const std::vector<double>& x = action.values;
   if (x.size() != 3 && x.size() != 7)
     return "goal of frame '" + action.target + "' has " + std::to_string(x.size()) +
-           " values, needed 3 (position) or 7 (and a quaternion)";
+           " values, expected 3 (position) or 7 (and a quaternion)";
   for (size_t i = 0; i < 3; ++i)
     if (!(std::abs(x[i]) <= 1e6))
       return "goal of frame '" + action.target + "' is " + number(x[i]) + " m away";
@@ -31,8 +31,8 @@ std::string target_fault(const rbd::Model& model, const Action& action) {
 
 }  // namespace
 
-Found find_configuration(const rbd::Model& model, const Action& action, const Eigen::VectorXd* from) {
-  Found found;
+IkResult find_configuration(const rbd::Model& model, const Action& action, const Eigen::VectorXd* from) {
+  IkResult found;
   found.fault = target_fault(model, action);
   if (!found.fault.empty()) return found;
   const std::vector<double>& x = action.values;

@@ -13,7 +13,7 @@ namespace lab {
 /// orientation is given too, a unit quaternion (xyzw).
 inline bool is_cartesian(const Action& action) { return action.verb == "goal" && !action.target.empty(); }
 
-struct Found {
+struct IkResult {
   Eigen::VectorXd q;  ///< nq: inside the limits, the frame within 1e-6 m and rad
   std::string fault;  ///< why there is none, and how far the nearest is from the target; empty if there is
 };
@@ -21,6 +21,6 @@ struct Found {
 /// A configuration that reaches the goal. Starts at `from` (may be null) and stays as near to it as the target allows; if
 /// that fails, starts at neutral, then at random configurations, always the same ones: so every process finds a
 /// configuration for every goal that the simulator, which has no `from`, has accepted.
-Found find_configuration(const rbd::Model&, const Action&, const Eigen::VectorXd* from);
+IkResult find_configuration(const rbd::Model&, const Action&, const Eigen::VectorXd* from);
 
 }  // namespace lab

@@ -131,8 +131,8 @@ const std::string& joint_at(const rbd::Model& model, int i) {
   return model.names[0];
 }
 
-void cut_effort(const rbd::Model& model, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut,
-                std::vector<Event>& events) {
+void clamp_effort(const rbd::Model& model, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut,
+                  std::vector<Event>& events) {
   for (int j = 1; j < model.njoints; ++j) {
     const rbd::JointModel& joint = model.joints[j];
     const bool driven = joint.nv() == 1;

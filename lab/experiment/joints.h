@@ -42,8 +42,8 @@ const std::string& joint_at(const rbd::Model&, int i);
 
 /// Clamps tau (nv) to the joints' effort limits, and to 0 for a floating base, which has no motors. `cut` (nv) marks the
 /// clamped entries; when that begins there is an event `what` (for a base: "base_effort_ignored").
-void cut_effort(const rbd::Model&, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut,
-                std::vector<Event>&);
+void clamp_effort(const rbd::Model&, const char* what, Eigen::VectorXd& tau, std::vector<bool>& cut,
+                  std::vector<Event>&);
 
 /// True if some joint has more than one degree of freedom: the base floats.
 bool floats(const rbd::Model&);

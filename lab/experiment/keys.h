@@ -193,11 +193,11 @@ void controller_keys(E& e, F& f) {
         "`effort_limited` says so when it begins"},
     e.controller.limit_effort);
   f(Key{"controller.model.mass_scale", "", "1",
-        "model error: the controller believes in every mass times this", kTiny, 1e6},
+        "model error: the controller's model has every mass times this", kTiny, 1e6},
     e.controller.model.mass_scale);
   f(Key{"controller.model.com_shift", "m", "nothing",
         "model error: link (or joint, for all that moves with it in one piece): [x, y, z] by which its "
-        "centre of mass is thought to be off, in its own axes"},
+        "centre of mass is moved in the controller's model, in its own axes"},
     e.controller.model.com_shift);
   f(Key{"controller.model.without", "", "nothing",
         "model error: links or joints whose masses the controller does not know, such as a tool"},
@@ -220,8 +220,8 @@ void view_keys(E& e, F& f) {
     e.renderer.camera);
   f(Key{"renderer.orthographic", "", "false", "`true`: without perspective"}.outside_run(),
     e.renderer.orthographic);
-  f(Key{"renderer.orbit", "rad/s", "0", "the camera goes round the robot at this speed, seen from above",
-        -100, 100}
+  f(Key{"renderer.orbit", "rad/s", "0",
+        "the camera orbits the robot at this speed, counter-clockwise seen from above", -100, 100}
         .outside_run(),
     e.renderer.orbit);
   f(Key{"renderer.follow", "", "nothing", "frame that the camera goes along with, without turning"}
@@ -233,7 +233,8 @@ void view_keys(E& e, F& f) {
         .outside_run(),
     e.renderer.quality);
 
-  f(Key{"renderer.ghost", "", "0", "`ghost.png` shows the way in this many poses; 0: no such picture", 0, 100}
+  f(Key{"renderer.ghost", "", "0", "`ghost.png` shows the motion in this many poses; 0: no such picture", 0,
+        100}
         .outside_run(),
     e.renderer.ghost);
   f(Key{"renderer.trace", "", "nothing", "frame whose way is drawn, from blue to red as time goes by"}
@@ -249,7 +250,7 @@ void other_keys(E& e, F& f) {
         "real time: a command made from an older state is stale, and the robot is held", kTiny, 10},
     e.safety.timeout);
   f(Key{"safety.hold", "", "gravity",
-        "how the robot is held: braked and its weight borne (`gravity`), or only braked (`damping`)"}
+        "how the robot is held: damped, with gravity compensation (`gravity`), or only damped (`damping`)"}
         .one_of({"gravity", "damping"}),
     e.safety.hold);
   f(Key{"safety.rearm", "", "auto",

@@ -82,7 +82,7 @@ std::string gain_fault(const rbd::Model& model, const Action& action) {
       },
       types);
   if (!counts.empty())
-    return action.key + " has " + std::to_string(action.values.size()) + " values, needed " + counts;
+    return action.key + " has " + std::to_string(action.values.size()) + " values, expected " + counts;
   for (double value : action.values)
     if (!(value >= 0 && std::isfinite(value)))
       return action.key + " is " + number(value) + ", must be finite and at least 0";

@@ -31,13 +31,13 @@ std::string seen(const json& value) {
 Eigen::VectorXd numbers(const json& state, const char* key, int n, bool required) {
   const auto found = state.find(key);
   if (found == state.end()) {
-    if (required) throw std::invalid_argument(fmt::format("{} is missing, needed {} numbers", key, n));
+    if (required) throw std::invalid_argument(fmt::format("{} is missing, expected {} numbers", key, n));
     return Eigen::VectorXd::Zero(n);
   }
   if (!found->is_array())
-    throw std::invalid_argument(fmt::format("{} is {}, needed a list of {} numbers", key, seen(*found), n));
+    throw std::invalid_argument(fmt::format("{} is {}, expected a list of {} numbers", key, seen(*found), n));
   if (found->size() != static_cast<size_t>(n))
-    throw std::invalid_argument(fmt::format("{} has {} numbers, needed {}", key, found->size(), n));
+    throw std::invalid_argument(fmt::format("{} has {} numbers, expected {}", key, found->size(), n));
   Eigen::VectorXd out(n);
   for (int k = 0; k < n; ++k) {
     const json& entry = (*found)[static_cast<size_t>(k)];
@@ -50,7 +50,7 @@ Eigen::VectorXd numbers(const json& state, const char* key, int n, bool required
 
 State state_of(const rbd::Model& model, const json& in) {
   if (!in.is_object())
-    throw std::invalid_argument(fmt::format("is {}, needed an object with q, v, a, tau", seen(in)));
+    throw std::invalid_argument(fmt::format("is {}, expected an object with q, v, a, tau", seen(in)));
   return {numbers(in, "q", model.nq, true), numbers(in, "v", model.nv, false),
           numbers(in, "a", model.nv, false), numbers(in, "tau", model.nv, false)};
 }
@@ -59,9 +59,10 @@ std::vector<rbd::FrameIndex> frames_of(const rbd::Model& model, const json& in) 
   std::vector<rbd::FrameIndex> out;
   const auto found = in.find("frames");
   if (found == in.end()) return out;
-  if (!found->is_array()) throw InputError(fmt::format("frames is {}, needed a list of names", seen(*found)));
+  if (!found->is_array())
+    throw InputError(fmt::format("frames is {}, expected a list of names", seen(*found)));
   for (const json& name : *found) {
-    if (!name.is_string()) throw InputError(fmt::format("frames has {}, needed names", seen(name)));
+    if (!name.is_string()) throw InputError(fmt::format("frames has {}, expected names", seen(name)));
     try {
       out.push_back(model.frameId(name.get<std::string>()));
     } catch (const std::out_of_range& error) {
@@ -196,7 +197,7 @@ json parse(const std::string& text) {
 Evaluation evaluate(const rbd::Model& model, const json& in) {
   Evaluation result;
   if (!in.is_object())
-    throw InputError(fmt::format("the input is {}, needed an object with states and frames", seen(in)));
+    throw InputError(fmt::format("the input is {}, expected an object with states and frames", seen(in)));
   note_unread(in, "", {"states", "frames"}, result.warnings);
   const std::vector<rbd::FrameIndex> frames = frames_of(model, in);
 
@@ -207,7 +208,7 @@ Evaluation evaluate(const rbd::Model& model, const json& in) {
 
   const auto states = in.find("states");
   if (states == in.end()) return result;
-  if (!states->is_array()) throw InputError(fmt::format("states is {}, needed a list", seen(*states)));
+  if (!states->is_array()) throw InputError(fmt::format("states is {}, expected a list", seen(*states)));
   rbd::Data data(model);
   ordered_json& out = result.out["states"] = ordered_json::array();
   for (size_t k = 0; k < states->size(); ++k) {

@@ -67,7 +67,7 @@ Output step(const Config& config, State& state, const Input& input) {
   }
   for (const rbd::JointModel& joint : config.model.joints)
     if (joint.nv() > 1) tau.segment(joint.idx_v(), joint.nv()).setZero();
-  if (config.limit_effort) cut_effort(config.model, "effort_limited", tau, state.limited, output.events);
+  if (config.limit_effort) clamp_effort(config.model, "effort_limited", tau, state.limited, output.events);
   return output;
 }
 

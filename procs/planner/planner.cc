@@ -114,13 +114,13 @@ std::string take_goal(const Config& c, State& s, const Action& action, int64_t s
   const double asked = action.key == "duration" ? std::strtod(action.text.c_str(), nullptr) : 0;
   Reference to = from;
   if (is_cartesian(action)) {
-    const Found found = find_configuration(c.model, action, &from.q);
+    const IkResult found = find_configuration(c.model, action, &from.q);
     if (!found.fault.empty()) return found.fault;
     stay(found.q, to);
   } else if (action.values.size() == static_cast<size_t>(c.q0.size())) {
     stay(Eigen::Map<const Eigen::VectorXd>(action.values.data(), c.q0.size()), to);
   } else {
-    return "has " + std::to_string(action.values.size()) + " values, needed " + std::to_string(c.q0.size());
+    return "has " + std::to_string(action.values.size()) + " values, expected " + std::to_string(c.q0.size());
   }
   const double T = asked > 0 ? asked : quintic_time(c, from.q, to.q);
   return divert(c, s, step, T, !(asked > 0),

@@ -56,8 +56,8 @@ void RunScene::set_scales() {
   force_ = scale(newtons, "force", "N");
 }
 
-/// For the moment that set_pose() has been called with.
-void RunScene::add_arrows(const Moment& moment, render::Scene& scene) {
+/// For the snapshot that set_pose() has been called with.
+void RunScene::add_arrows(const Snapshot& snapshot, render::Scene& scene) {
   if (extras_.arrows.empty()) return;
   const double width = placement_->picture_width(), radius = 0.0025 * width;
   for (render::Body& body : scene.bodies)  // arrows sit inside the links and have to show through them
@@ -65,7 +65,7 @@ void RunScene::add_arrows(const Moment& moment, render::Scene& scene) {
       body.opacity = .55f;
       body.group = 1;
     }
-  const bool velocities = moment.v.size() > 0 && shows("velocity") && velocity_.metres > 0;
+  const bool velocities = snapshot.v.size() > 0 && shows("velocity") && velocity_.metres > 0;
   for (rbd::FrameIndex frame : moving_frames()) {
     const rbd::SE3& pose = data_.oMf[frame];
     if (shows("frames")) scene.bodies.push_back(render::make_axes(isometry(pose), 0.05 * width));
@@ -77,14 +77,15 @@ void RunScene::add_arrows(const Moment& moment, render::Scene& scene) {
   }
   if (shows("force"))
     for (const Push& push : extras_.pushes) {
-      if (moment.time < push.begin || moment.time >= push.end || !model_.existFrame(push.frame)) continue;
+      if (snapshot.time < push.begin || snapshot.time >= push.end || !model_.existFrame(push.frame)) continue;
       const Eigen::Vector3d vector = force_.metres * push.force;  // it ends where it acts
       scene.bodies.push_back(render::make_arrow(data_.oMf[model_.frameId(push.frame)].translation() - vector,
                                                 vector, 1.4 * radius, kForce));
     }
   if (shows("com")) {
-    const Eigen::Vector3d com = moment.v.size() > 0 ? rbd::centerOfMass(model_, data_, moment.q, moment.v)
-                                                    : rbd::centerOfMass(model_, data_, moment.q);
+    const Eigen::Vector3d com = snapshot.v.size() > 0
+                                    ? rbd::centerOfMass(model_, data_, snapshot.q, snapshot.v)
+                                    : rbd::centerOfMass(model_, data_, snapshot.q);
     scene.bodies.push_back(render::make_com(com, 0.014 * width));
     if (velocities)
       scene.bodies.push_back(render::make_arrow(com, velocity_.metres * data_.vcom[0], radius, kVelocity));

@@ -19,7 +19,7 @@ namespace lab::renderer {
 namespace {
 
 namespace fs = std::filesystem;
-using Moments = std::vector<Moment>;
+using Moments = std::vector<Snapshot>;
 
 constexpr double kVideoRate = 30;  // pictures per second of a film, unless said
 
@@ -83,8 +83,8 @@ std::vector<int64_t> steps_at_times(const FromLog& job, double dt, int64_t last_
   return steps;
 }
 
-/// The moments of steps, in their order.
-Moments moments_of(const std::map<int64_t, Moment>& all, const std::vector<int64_t>& steps) {
+/// The snapshots of steps, in their order.
+Moments moments_of(const std::map<int64_t, Snapshot>& all, const std::vector<int64_t>& steps) {
   Moments out;
   for (int64_t step : steps)
     if (const auto found = all.find(step); found != all.end()) out.push_back(found->second);
@@ -94,17 +94,17 @@ Moments moments_of(const std::map<int64_t, Moment>& all, const std::vector<int64
 /// Every i-th frame of a clip.
 class FrameWorker : public Worker {
  public:
-  FrameWorker(const RunScene& run, const Moments& moments, const FromLog& job, const std::string& folder,
+  FrameWorker(const RunScene& run, const Moments& snapshots, const FromLog& job, const std::string& folder,
               render::PngTexts about)
       : run_(run),
-        moments_(moments),
+        snapshots_(snapshots),
         depth_(job.depth),
         ids_(job.ids),
         painter_(run_),
         files_(folder, with_gl(std::move(about))) {}
 
   void draw(int64_t index) override {
-    const Shot shot = run_.shot(moments_[static_cast<size_t>(index)]);
+    const Shot shot = run_.shot(snapshots_[static_cast<size_t>(index)]);
     files_.write(index, painter_.draw(shot));
     if (!depth_ && !ids_) return;
     const render::Measurement seen = painter_.measure(shot);
@@ -121,7 +121,7 @@ class FrameWorker : public Worker {
   }
 
   RunScene run_;
-  const Moments& moments_;
+  const Moments& snapshots_;
   bool depth_, ids_;
   Painter painter_;
   FrameFolder files_;
@@ -175,13 +175,13 @@ Plan make_plan(const FromLog& job, const Experiment& experiment, const Logged& l
   return plan;
 }
 
-/// The moments at all steps of a plan.
-std::map<int64_t, Moment> read_planned(const Plan& plan, const std::string& path, double dt) {
+/// The snapshots at all steps of a plan.
+std::map<int64_t, Snapshot> read_planned(const Plan& plan, const std::string& path, double dt) {
   std::vector<int64_t> all = plan.pictures;
   all.insert(all.end(), plan.cells.begin(), plan.cells.end());
   all.insert(all.end(), plan.samples.begin(), plan.samples.end());
   std::sort(all.begin(), all.end());
-  return read_moments(path, all, dt);
+  return read_snapshots(path, all, dt);
 }
 
 RunScene make_scene(const FromLog& job, const Experiment& experiment, const Robot& robot,
@@ -194,20 +194,20 @@ RunScene make_scene(const FromLog& job, const Experiment& experiment, const Robo
   for (const auto& warning : run.warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
   if (job.strict && !run.warnings().empty())
     throw ExperimentError("--strict: the robot is not whole, so nothing is drawn");
-  for (const Moment& moment : samples) run.remember(moment);
+  for (const Snapshot& snapshot : samples) run.remember(snapshot);
   run.finish_run();
   return run;
 }
 
-void draw_frames(const FromLog& job, const RunScene& run, const Moments& moments, const std::string& folder,
+void draw_frames(const FromLog& job, const RunScene& run, const Moments& snapshots, const std::string& folder,
                  const render::PngTexts& about) {
-  const auto count = static_cast<int64_t>(moments.size());
+  const auto count = static_cast<int64_t>(snapshots.size());
   const bool list_files = !job.folder.empty();
   Progress progress(count, bar("pictures"));
   draw_all(
       count, job.workers ? job.workers : sensible_workers(count),
       [&]() -> std::unique_ptr<Worker> {
-        return std::make_unique<FrameWorker>(run, moments, job, folder, about);
+        return std::make_unique<FrameWorker>(run, snapshots, job, folder, about);
       },
       [&](int64_t index) {
         progress.show(index + 1);
@@ -215,9 +215,9 @@ void draw_frames(const FromLog& job, const RunScene& run, const Moments& moments
       });
 }
 
-void write_overview(const Moments& moments, const std::string& folder) {
+void write_overview(const Moments& snapshots, const std::string& folder) {
   std::vector<double> times;
-  for (const Moment& moment : moments) times.push_back(moment.time);
+  for (const Snapshot& snapshot : snapshots) times.push_back(snapshot.time);
   write_contact_sheet_of(folder + "/contact.png", folder, times);
   fmt::print("{}/contact.png\n", folder);
 }
@@ -232,8 +232,8 @@ void draw_overviews(const std::string& folder, RunScene& run, const Moments& for
   const std::string contact = folder + "/contact.png", ghost = folder + "/ghost.png";
   if (!for_contact.empty()) {
     std::vector<Stamped> pictures;
-    for (const Moment& moment : for_contact)
-      pictures.push_back({thumbnail(painter.draw(run.shot(moment)).image), moment.time});
+    for (const Snapshot& snapshot : for_contact)
+      pictures.push_back({thumbnail(painter.draw(run.shot(snapshot)).image), snapshot.time});
     write_contact_sheet(contact, pictures, about);
     fmt::print("{}\n", contact);
   }
@@ -260,14 +260,14 @@ int render_log(const FromLog& job) {
   RunScene run = make_scene(job, experiment, robot, logged, moments_of(read, plan.samples));
 
   const std::string id = fmt::format("{:016x}", static_cast<uint64_t>(logged.run.run));
-  const Moments moments = moments_of(read, plan.pictures);
+  const Moments snapshots = moments_of(read, plan.pictures);
   std::optional<Scratch> scratch;
   if (job.folder.empty()) scratch.emplace(job.video);
   const std::string folder = scratch ? scratch->folder : job.folder;
-  if (!moments.empty()) draw_frames(job, run, moments, folder, {{"run", id}});
-  if (moments.size() > 1 && job.contact == 0 && !scratch) write_overview(moments, folder);
+  if (!snapshots.empty()) draw_frames(job, run, snapshots, folder, {{"run", id}});
+  if (snapshots.size() > 1 && job.contact == 0 && !scratch) write_overview(snapshots, folder);
   if (!job.video.empty()) {
-    const auto count = static_cast<int64_t>(moments.size());
+    const auto count = static_cast<int64_t>(snapshots.size());
     Progress progress(count, bar("video"));
     write_video(job.video, folder, count, plan.fps, "run " + id, [&](int64_t done) { progress.show(done); });
     fmt::print("{}\n", job.video);

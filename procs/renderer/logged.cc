@@ -45,27 +45,27 @@ Logged survey(const std::string& path) {
   return logged;
 }
 
-std::map<int64_t, Moment> read_moments(const std::string& path, const std::vector<int64_t>& steps,
-                                       double dt) {
-  std::map<int64_t, Moment> moments;
+std::map<int64_t, Snapshot> read_snapshots(const std::string& path, const std::vector<int64_t>& steps,
+                                           double dt) {
+  std::map<int64_t, Snapshot> snapshots;
   for_each_message(path, [&](Channel channel, std::span<const uint8_t> data) {
     if ((channel != Channel::RobotState && channel != Channel::Reference) ||
         !std::binary_search(steps.begin(), steps.end(), peek_step(data)))
       return;
     const int64_t step = peek_step(data);
-    Moment& moment = moments[step];
-    moment.step = step;
-    moment.time = static_cast<double>(step_utime(step, dt)) * 1e-6;
+    Snapshot& snapshot = snapshots[step];
+    snapshot.step = step;
+    snapshot.time = static_cast<double>(step_utime(step, dt)) * 1e-6;
     if (channel == Channel::Reference) {
-      moment.reference = to_signal(decode<reference_t>(data)).q;
+      snapshot.reference = to_signal(decode<reference_t>(data)).q;
     } else {
       auto state = to_signal(decode<robot_state_t>(data));
-      moment.q = std::move(state.q);
-      moment.v = std::move(state.v);
+      snapshot.q = std::move(state.q);
+      snapshot.v = std::move(state.v);
     }
   });
-  std::erase_if(moments, [](const auto& each) { return each.second.q.size() == 0; });
-  return moments;
+  std::erase_if(snapshots, [](const auto& each) { return each.second.q.size() == 0; });
+  return snapshots;
 }
 
 }  // namespace lab::renderer

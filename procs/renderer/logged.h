@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "procs/renderer/moment.h"
+#include "procs/renderer/snapshot.h"
 
 namespace lab::renderer {
 
@@ -21,7 +21,8 @@ struct Logged {
 /// Throws ExperimentError if there is no RUN or no state.
 Logged survey(const std::string& path);
 
-/// The moments at some of its steps (rising), references where they are logged.
-std::map<int64_t, Moment> read_moments(const std::string& path, const std::vector<int64_t>& steps, double dt);
+/// The snapshots at some of its steps (rising), references where they are logged.
+std::map<int64_t, Snapshot> read_snapshots(const std::string& path, const std::vector<int64_t>& steps,
+                                           double dt);
 
 }  // namespace lab::renderer

@@ -65,7 +65,8 @@ void add_appearance(CLI::App& app, FromLog& job, CLI::Option* source) {
   add(app.add_option("--camera", job.camera, "iso, front, side or top"))
       ->check(CLI::IsMember(lab::render::view_names()));
   add(app.add_flag("--orthographic", job.orthographic, "without perspective"));
-  add(app.add_option("--orbit", job.orbit, "rad/s: the camera goes round"))->check(CLI::Range(-100., 100.));
+  add(app.add_option("--orbit", job.orbit, "rad/s: the camera orbits the robot"))
+      ->check(CLI::Range(-100., 100.));
   add(app.add_option("--follow", job.follow, "frame that the camera goes along with"));
   add(app.add_option("--trace", job.trace, "frame whose path is drawn"));
   add(app.add_option("--trace-by", job.trace_by, "what its colours mean: time, speed or error"))

@@ -47,29 +47,29 @@ void RendererRole::receive(Channel channel, std::span<const uint8_t> bytes, Micr
 }
 
 void RendererRole::on_state(int64_t step, std::span<const uint8_t> bytes) {
-  const auto moment = [&] {
+  const auto snapshot = [&] {
     const RobotState state = to_signal(decode<robot_state_t>(bytes));
-    return Moment{step, static_cast<double>(step_utime(step, dt_)) * 1e-6, state.q, state.v, {}};
+    return Snapshot{step, static_cast<double>(step_utime(step, dt_)) * 1e-6, state.q, state.v, {}};
   };
   if (realtime_) {
     if (scene_->needs_samples() && step / sample_gap_ > sampled_ / sample_gap_) {
-      scene_->remember(moment());
+      scene_->remember(snapshot());
       sampled_ = step;
     }
     const auto gap = static_cast<int64_t>(std::ceil(1 / (settings_.renderer.fps * dt_)));
     if (drawn_ < 0 || step / gap > drawn_ / gap) {
-      moments_.clear();
-      moments_[step] = moment();
+      snapshots_.clear();
+      snapshots_[step] = snapshot();
     }
     return;
   }
   if (next_ >= needed_.size() || step < needed_[next_] ||
       !std::binary_search(needed_.begin(), needed_.end(), step))
     return;
-  Moment& kept = moments_[step];
+  Snapshot& kept = snapshots_[step];
   if (kept.q.size() > 0) return;
   Eigen::VectorXd reference = std::move(kept.reference);  // it may have come first
-  kept = moment();
+  kept = snapshot();
   kept.reference = std::move(reference);
 }
 
@@ -81,7 +81,7 @@ void RendererRole::on_reference(int64_t step, std::span<const uint8_t> bytes) {
     if (references_.size() > static_cast<size_t>(2 * kWindow)) references_.erase(references_.begin());
   } else if (next_ < needed_.size() && step >= needed_[next_] &&
              std::binary_search(pictures_.begin(), pictures_.end(), step)) {
-    moments_[step].reference = q();
+    snapshots_[step].reference = q();
   }
 }
 
@@ -101,8 +101,8 @@ void RendererRole::plan(int64_t last_step) {
 }
 
 bool RendererRole::ready(int64_t step) const {
-  const auto found = moments_.find(step);
-  if (found == moments_.end() || found->second.q.size() == 0) return false;
+  const auto found = snapshots_.find(step);
+  if (found == snapshots_.end() || found->second.q.size() == 0) return false;
   return !settings_.renderer.reference || found->second.reference.size() > 0 ||
          !std::binary_search(pictures_.begin(), pictures_.end(), step);
 }
@@ -160,12 +160,12 @@ void RendererRole::tick(Micros now) try {
     return;
   }
   publish_written();
-  if (realtime_ && !moments_.empty() && !last_step_) {
-    Moment moment = std::move(moments_.begin()->second);
-    moments_.clear();
-    if (const auto after = references_.upper_bound(moment.step); after != references_.begin())
-      moment.reference = std::prev(after)->second;
-    draw(moment);
+  if (realtime_ && !snapshots_.empty() && !last_step_) {
+    Snapshot snapshot = std::move(snapshots_.begin()->second);
+    snapshots_.clear();
+    if (const auto after = references_.upper_bound(snapshot.step); after != references_.begin())
+      snapshot.reference = std::prev(after)->second;
+    draw(snapshot);
   } else if (next_ < needed_.size() && ready(needed_[next_])) {
     do_next();
     wake_ = now;
@@ -180,25 +180,25 @@ void RendererRole::tick(Micros now) try {
 
 void RendererRole::do_next() {
   const int64_t step = needed_[next_++];
-  const Moment moment = std::move(moments_[step]);
-  moments_.erase(moments_.begin(), moments_.upper_bound(step));
+  const Snapshot snapshot = std::move(snapshots_[step]);
+  snapshots_.erase(snapshots_.begin(), snapshots_.upper_bound(step));
   const bool picture = std::binary_search(pictures_.begin(), pictures_.end(), step);
   if (scene_->needs_samples() && (step % sample_gap_ == 0 || step == pictures_.back()))
-    scene_->remember(moment);
-  if (picture) draw(moment);
+    scene_->remember(snapshot);
+  if (picture) draw(snapshot);
   idle_timer_.reset();
 }
 
-void RendererRole::draw(const Moment& moment) {
+void RendererRole::draw(const Snapshot& snapshot) {
   const auto index = static_cast<int64_t>(times_.size());
-  folder_->write(index, painter_->draw(scene_->shot(moment)));
-  times_.push_back(moment.time);
-  drawn_ = moment.step;
+  folder_->write(index, painter_->draw(scene_->shot(snapshot)));
+  times_.push_back(snapshot.time);
+  drawn_ = snapshot.step;
   idle_timer_.reset();
 
   frame_t frame{};
   frame.run = run_;
-  frame.step = moment.step;
+  frame.step = snapshot.step;
   frame.path = "frames/" + std::filesystem::path(frame_path("", index)).filename().string();
   frame.width = static_cast<int32_t>(settings_.renderer.size[0]);
   frame.height = static_cast<int32_t>(settings_.renderer.size[1]);

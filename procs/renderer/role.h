@@ -45,7 +45,7 @@ class RendererRole : public Role {
   bool ready(int64_t step) const;
   void read_more_of_the_log();
   void do_next();
-  void draw(const Moment&);
+  void draw(const Snapshot&);
   void publish_written();
   void finish();
 
@@ -66,8 +66,8 @@ class RendererRole : public Role {
   std::vector<int64_t> pictures_;  ///< steps to draw, rising; none in real time
   std::vector<int64_t> needed_;    ///< these and the samples of traces and ghosts, rising
   size_t next_ = 0;                ///< index into needed_
-  std::map<int64_t, Moment>
-      moments_;  ///< those of the needed steps that have arrived; real time: the newest state
+  std::map<int64_t, Snapshot>
+      snapshots_;  ///< those of the needed steps that have arrived; real time: the newest state
   std::map<int64_t, Eigen::VectorXd>
       references_;                   ///< real time: the newest ones, which run ahead of the states
   std::vector<double> times_;        ///< of the pictures drawn, s

@@ -66,14 +66,14 @@ RunScene::RunScene(const Robot& robot, const Experiment& e, Extras extras)
     moving_ = duration_ * static_cast<double>(i - 1) / (kPlanned - 1);
 }
 
-/// Kinematics of a moment, and of its reference where that is shown: all that a picture needs.
-void RunScene::set_pose(const Moment& moment) {
-  if (moment.v.size() > 0)
-    rbd::forwardKinematics(model_, data_, moment.q, moment.v);
+/// Kinematics of a snapshot, and of its reference where that is shown: all that a picture needs.
+void RunScene::set_pose(const Snapshot& snapshot) {
+  if (snapshot.v.size() > 0)
+    rbd::forwardKinematics(model_, data_, snapshot.q, snapshot.v);
   else
-    rbd::forwardKinematics(model_, data_, moment.q);
-  if (moment.reference.size() > 0 && (settings_.reference || extras_.trace_by == "error"))
-    rbd::forwardKinematics(model_, reference_data_, moment.reference);
+    rbd::forwardKinematics(model_, data_, snapshot.q);
+  if (snapshot.reference.size() > 0 && (settings_.reference || extras_.trace_by == "error"))
+    rbd::forwardKinematics(model_, reference_data_, snapshot.reference);
   place_bodies(data_, robot_);
 }
 
@@ -84,27 +84,27 @@ std::vector<render::Body> RunScene::robot_at(const Eigen::VectorXd& q) {
 
 // ---- the path
 
-/// Of the moment that set_pose() has been called with.
-RunScene::Sample RunScene::sample(const Moment& moment) const {
-  Sample out{moment.step, moment.time, moment.q, data_.oMf[traced_].translation(), 0, 0};
-  if (moment.reference.size() > 0 && extras_.trace_by == "error")
+/// Of the snapshot that set_pose() has been called with.
+RunScene::Sample RunScene::sample(const Snapshot& snapshot) const {
+  Sample out{snapshot.step, snapshot.time, snapshot.q, data_.oMf[traced_].translation(), 0, 0};
+  if (snapshot.reference.size() > 0 && extras_.trace_by == "error")
     out.error = (out.point - reference_data_.oMf[traced_].translation()).norm();
-  if (moment.v.size() > 0)
+  if (snapshot.v.size() > 0)
     out.speed = rbd::getFrameVelocity(model_, data_, traced_, rbd::LOCAL_WORLD_ALIGNED).linear().norm();
   return out;
 }
 
-void RunScene::remember(const Moment& moment) {
-  if (!samples_.empty() && moment.step <= samples_.back().step) return;
-  set_pose(moment);
-  samples_.push_back(sample(moment));
+void RunScene::remember(const Snapshot& snapshot) {
+  if (!samples_.empty() && snapshot.step <= samples_.back().step) return;
+  set_pose(snapshot);
+  samples_.push_back(sample(snapshot));
   placement_->extend(extent_, robot_, followed());
   const double value = extras_.trace_by == "error" ? samples_.back().error : samples_.back().speed;
   if (value > max_value_) {
     max_value_ = value;
     if (extras_.trace_by != "time") trace_.reset();  // all its colours change
   }
-  if (!shows("velocity") || moment.v.size() == 0) return;
+  if (!shows("velocity") || snapshot.v.size() == 0) return;
   for (rbd::FrameIndex frame : moving_frames())
     max_speed_ = std::max(
         max_speed_, rbd::getFrameVelocity(model_, data_, frame, rbd::LOCAL_WORLD_ALIGNED).linear().norm());
@@ -151,13 +151,13 @@ void RunScene::add_reference(const std::vector<render::Body>& robot, render::Sce
     if (!coincide(bodies[i], robot[i])) scene.bodies.push_back(std::move(bodies[i]));
 }
 
-Shot RunScene::shot(const Moment& moment) {
-  set_pose(moment);
-  Shot shot{moment.step, moment.time, {}, robot_, placement_->at(moment.time, followed())};
-  if (!settings_.trace.empty()) add_trace(sample(moment), shot.scene);
-  if (settings_.reference && moment.reference.size() > 0) add_reference(shot.robot, shot.scene);
+Shot RunScene::shot(const Snapshot& snapshot) {
+  set_pose(snapshot);
+  Shot shot{snapshot.step, snapshot.time, {}, robot_, placement_->at(snapshot.time, followed())};
+  if (!settings_.trace.empty()) add_trace(sample(snapshot), shot.scene);
+  if (settings_.reference && snapshot.reference.size() > 0) add_reference(shot.robot, shot.scene);
   shot.scene.bodies.insert(shot.scene.bodies.end(), shot.robot.begin(), shot.robot.end());
-  add_arrows(moment, shot.scene);
+  add_arrows(snapshot, shot.scene);
   return shot;
 }
 

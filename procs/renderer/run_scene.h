@@ -10,7 +10,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/robot.h"
 #include "procs/renderer/camera_placement.h"
-#include "procs/renderer/moment.h"
+#include "procs/renderer/snapshot.h"
 #include "render/image.h"
 #include "render/scene.h"
 #include "render/trace.h"
@@ -30,7 +30,7 @@ int64_t sample_gap(const Experiment&);
 
 /// One picture, ready to draw.
 struct Shot {
-  std::optional<int64_t> step;  ///< none: several moments
+  std::optional<int64_t> step;  ///< none: several snapshots
   double time = 0;              ///< s
   render::Scene scene;
   std::vector<render::Body> robot;  ///< alone, for measurements
@@ -45,14 +45,14 @@ class RunScene {
   RunScene(const Robot&, const Experiment&, Extras = {});
 
   /// Adds a sample to the path that traces and ghosts show; steps must increase, others are ignored.
-  void remember(const Moment&);
+  void remember(const Snapshot&);
   bool needs_samples() const { return settings_.ghost > 0 || !settings_.trace.empty(); }
   /// Call after the last remember() of a finished run: fits the camera to the run and chooses the scales of arrows.
   void finish_run();
 
-  /// The robot at one moment, with its path so far, its reference and arrows, as asked for. Kinematics are computed
+  /// The robot at one snapshot, with its path so far, its reference and arrows, as asked for. Kinematics are computed
   /// once.
-  Shot shot(const Moment&);
+  Shot shot(const Snapshot&);
   /// The remembered path in n poses, evenly along it: all but the last one ghosts, from blue to red.
   Shot ghosts(int64_t n);
   /// Writes into the picture what its colours and arrows mean, if that needs an explanation.
@@ -78,23 +78,23 @@ class RunScene {
 
   bool shows(const char* arrows) const;
   std::vector<rbd::FrameIndex> moving_frames() const;
-  void set_pose(const Moment&);
+  void set_pose(const Snapshot&);
   std::vector<render::Body> robot_at(const Eigen::VectorXd& q);
   Eigen::Vector3d followed() const { return data_.oMf[followed_].translation(); }
-  Sample sample(const Moment&) const;
+  Sample sample(const Snapshot&) const;
   double trace_share(const Sample&) const;
   Eigen::Vector4f colour(const Sample&) const;
   void set_scales();
   void add_trace(const Sample& now, render::Scene&);
   void add_reference(const std::vector<render::Body>& robot, render::Scene&);
-  void add_arrows(const Moment&, render::Scene&);
+  void add_arrows(const Snapshot&, render::Scene&);
   std::vector<size_t> even_samples(const std::vector<double>& along, int64_t n) const;
 
   Experiment::Renderer settings_;
   Extras extras_;
   double duration_, moving_ = 0;  ///< s: of the run; of the planned motion in it, 0 = all
   rbd::Model model_;
-  rbd::Data data_, reference_data_;  ///< kinematics of the current moment, and of its reference
+  rbd::Data data_, reference_data_;  ///< kinematics of the current snapshot, and of its reference
   std::vector<std::string> links_{""}, warnings_;
   std::vector<render::Body> robot_;
   rbd::FrameIndex traced_ = 0, followed_ = 0;

@@ -35,7 +35,7 @@ std::vector<double> numbers(const std::string& list, size_t wanted, const std::s
     at = comma + 1;
   }
   if (out.size() != wanted)
-    throw UsageError(fmt::format("{}: '{}' has {} numbers, needed {}", what, list, out.size(), wanted));
+    throw UsageError(fmt::format("{}: '{}' has {} numbers, expected {}", what, list, out.size(), wanted));
   return out;
 }
 
@@ -133,7 +133,7 @@ Action set(const std::string& process, const std::string& assignment) {
 Action push(const std::string& frame, std::span<const std::string> words, double seconds) {
   if (words.size() != 3 && words.size() != 6)
     throw UsageError(
-        fmt::format("push: has {} numbers, needed 3 (force, N) or 6 (force and torque, Nm)", words.size()));
+        fmt::format("push: has {} numbers, expected 3 (force, N) or 6 (force and torque, Nm)", words.size()));
   if (!(seconds > 0) || !std::isfinite(seconds))
     throw UsageError(fmt::format("--for: {} is no time in s", seconds));
   std::vector<double> x;

@@ -34,7 +34,7 @@ std::vector<SoftStop> make_stops(const Experiment& e, const rbd::Model& model) {
     if (!std::isfinite(low) && !std::isfinite(high)) continue;
     if (!(margin[v] > 0))
       fail(e, key + ".margin",
-           "is 0 for joint '" + model.names[j] + "'; the spring needs some way, for example 0.1");
+           "is 0 for joint '" + model.names[j] + "'; the spring needs some distance, for example 0.1");
     if (2 * margin[v] > high - low)
       fail(e, key + ".margin",
            number(margin[v]) + " is more than half of the way that joint '" + model.names[j] + "' has (" +

@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
     const auto role =
         lab::simulator::make_role(experiment, robot, lab::launch_nonce(), participant.publish());
     int code = participant.run(*role);
-    if (code == lab::kOk && role->again()) code = lab::kAgain;
+    if (code == lab::kOk && role->restart_requested()) code = lab::kAgain;
     const double seconds = static_cast<double>(role->running_time()) * 1e-6;
     if (role->step() > 0 && seconds > 0)
       fmt::print("{} steps in {:.6f} s, {:.0f} steps/s\n", role->step(), seconds,

@@ -3,10 +3,10 @@
 namespace lab::safety {
 namespace {
 
-void hold(const Config& config, State& state) {
+void enter_holding(const Config& config, State& state) {
   state.mode = Mode::Holding;
   state.armed = !config.manual;
-  state.proven = 0;
+  state.fresh_in_a_row = 0;
 }
 
 void run(State& state, const std::string& why, std::vector<Event>& events) {
@@ -24,10 +24,10 @@ bool fresh(const Config& config, const State& state, int64_t step, int64_t comma
 Mode step(const Config& config, State& state, const Input& input, std::vector<Event>& events) {
   if (input.command_from && fresh(config, state, input.step, *input.command_from)) {
     state.newest = *input.command_from;
-    ++state.proven;
+    ++state.fresh_in_a_row;
   }
   const bool stale = config.timeout > 0 && (state.newest < 0 || input.step - state.newest >= config.timeout);
-  if (stale) state.proven = 0;
+  if (stale) state.fresh_in_a_row = 0;
 
   if (input.estop && state.mode != Mode::Stopped) {
     state.mode = Mode::Stopped;
@@ -39,7 +39,7 @@ Mode step(const Config& config, State& state, const Input& input, std::vector<Ev
     } else {
       state.mode = Mode::Holding;
       state.armed = true;
-      state.proven = 0;
+      state.fresh_in_a_row = 0;
     }
   } else if (input.rearm && state.mode == Mode::Holding && !state.armed) {
     events.push_back({"rearm", "person", "after holding"});
@@ -49,19 +49,19 @@ Mode step(const Config& config, State& state, const Input& input, std::vector<Ev
   if (state.mode == Mode::Waiting && !stale) {
     run(state, "first command", events);
   } else if (state.mode == Mode::Running && stale) {
-    hold(config, state);
+    enter_holding(config, state);
     events.push_back({"holding", "controller",
                       "no fresh command for " + std::to_string(config.timeout) +
                           " steps; the last was made from step " + std::to_string(state.newest)});
-  } else if (state.mode == Mode::Holding && state.armed && state.proven >= config.prove) {
-    run(state, std::to_string(config.prove) + " fresh commands in a row", events);
+  } else if (state.mode == Mode::Holding && state.armed && state.fresh_in_a_row >= config.fresh_to_resume) {
+    run(state, std::to_string(config.fresh_to_resume) + " fresh commands in a row", events);
   }
   return state.mode;
 }
 
 void trip(const Config& config, State& state, const std::string& who, const std::string& why,
           std::vector<Event>& events) {
-  hold(config, state);
+  enter_holding(config, state);
   events.push_back({"holding", who, why});
 }
 

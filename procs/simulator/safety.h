@@ -13,22 +13,22 @@ namespace lab::safety {
 enum class Mode {
   Waiting,  ///< no command yet: held
   Running,  ///< the newest command is in force
-  Holding,  ///< no fresh command, or a joint would be too fast: held until `prove` fresh commands, or rearm
+  Holding,  ///< no fresh command, or a joint would be too fast: held until `fresh_to_resume` fresh commands, or rearm
   Stopped,  ///< emergency stop: held until `rearm`
 };
 
 struct Config {
   int64_t timeout =
       0;  ///< steps after which a command is stale; 0 = no watchdog: lockstep waits for every command
-  bool manual = false;  ///< Holding ends only after `rearm`
-  int64_t prove = 20;   ///< fresh commands in a row that end Holding
+  bool manual = false;           ///< Holding ends only after `rearm`
+  int64_t fresh_to_resume = 20;  ///< fresh commands in a row that end Holding
 };
 
 struct State {
   Mode mode = Mode::Waiting;
-  bool armed = true;    ///< no `rearm` is needed (any more)
-  int64_t newest = -1;  ///< state that the newest fresh command was computed from
-  int64_t proven = 0;   ///< fresh commands in a row
+  bool armed = true;           ///< no `rearm` is needed (any more)
+  int64_t newest = -1;         ///< state that the newest fresh command was computed from
+  int64_t fresh_in_a_row = 0;  ///< fresh commands in a row
 };
 
 /// Without a watchdog (lockstep) the simulator waits for every command, so the robot runs from the start.

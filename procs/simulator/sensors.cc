@@ -42,18 +42,18 @@ Sensors make_sensors(const Experiment& e, const rbd::Model& model) {
   return out;
 }
 
-Memory::Memory(const Sensors& sensors, const RobotState& first)
+DelayBuffer::DelayBuffer(const Sensors& sensors, const RobotState& first)
     : ring(static_cast<size_t>(sensors.delay + 1), {first.q, first.v}) {}
 
-void Memory::keep(const RobotState& truth) {
-  Moment& place = ring[static_cast<size_t>(truth.step) % ring.size()];
+void DelayBuffer::keep(const RobotState& truth) {
+  Sample& place = ring[static_cast<size_t>(truth.step) % ring.size()];
   place.q = truth.q;
   place.v = truth.v;
 }
 
-RobotState sense(const Sensors& sensors, const Memory& memory, const RobotState& truth) {
+RobotState sense(const Sensors& sensors, const DelayBuffer& memory, const RobotState& truth) {
   if (sensors.perfect()) return truth;
-  const Memory::Moment& seen =
+  const DelayBuffer::Sample& seen =
       memory.ring[static_cast<size_t>(std::max<int64_t>(truth.step - sensors.delay, 0)) % memory.ring.size()];
   RobotState out = truth;
   out.q = seen.q;

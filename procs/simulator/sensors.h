@@ -24,16 +24,16 @@ struct Sensors {
 Sensors make_sensors(const Experiment&, const rbd::Model&);
 
 /// The newest true q and v, as many as the delay needs.
-struct Memory {
-  Memory(const Sensors&, const RobotState& first);
+struct DelayBuffer {
+  DelayBuffer(const Sensors&, const RobotState& first);
   void keep(const RobotState& truth);
-  struct Moment {
+  struct Sample {
     Eigen::VectorXd q, v;
   };
-  std::vector<Moment> ring;  ///< step k at k mod size
+  std::vector<Sample> ring;  ///< step k at k mod size
 };
 
 /// q and v of `delay` steps ago (at least step 0) with the noise of this step; all other fields unchanged.
-RobotState sense(const Sensors&, const Memory&, const RobotState& truth);
+RobotState sense(const Sensors&, const DelayBuffer&, const RobotState& truth);
 
 }  // namespace lab::simulator

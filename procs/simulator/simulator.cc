@@ -24,7 +24,7 @@ bool accept(const Config& config, const Command& command, std::vector<Event>& ev
   if (command.tau.size() != nv) {
     events.push_back(
         {"command_rejected", "controller",
-         "tau has " + std::to_string(command.tau.size()) + " entries, needed " + std::to_string(nv)});
+         "tau has " + std::to_string(command.tau.size()) + " entries, expected " + std::to_string(nv)});
     return false;
   }
   for (Eigen::Index i = 0; i < nv; ++i) {
@@ -35,8 +35,8 @@ bool accept(const Config& config, const Command& command, std::vector<Event>& ev
   return true;
 }
 
-/// The effort that holds the robot, within its limits: brakes it, and compensates gravity.
-void hold(const Config& config, State& s) {
+/// Sets the effort that holds the robot, within its limits: it brakes, and compensates gravity.
+void apply_holding_effort(const Config& config, State& s) {
   s.a = -s.robot.v / std::max(kBrakeTime, 2 * config.dt);
   rbd::JointTerms& terms = s.load.model.terms;
   const rbd::JointTerms all = terms;
@@ -152,7 +152,7 @@ Config make_config(const Experiment& e, const rbd::Model& model) {
     config.safety.timeout = static_cast<int64_t>(std::floor(e.safety.timeout / config.dt + 1e-9));
     if (config.safety.timeout < 2)
       fail(e, "safety.timeout",
-           number(e.safety.timeout) + " s, needed at least 2 steps of " + number(config.dt) + " s");
+           number(e.safety.timeout) + " s, expected at least 2 steps of " + number(config.dt) + " s");
   }
   config.safety.manual = e.safety.rearm == "manual";
   config.hold_gravity = e.safety.hold == "gravity";
@@ -199,7 +199,7 @@ Output step(const Config& config, State& state, const Input& input) {
       accept(config, *input.command, output.events)) {
     safety_input.command_from = input.command->state_step;
     state.effort = input.command->tau;
-    cut_effort(config.model, "effort_clamped", state.effort, state.clamped, output.events);
+    clamp_effort(config.model, "effort_clamped", state.effort, state.clamped, output.events);
   }
 
   output.mode = safety::step(config.safety, state.safety, safety_input, output.events);
@@ -208,7 +208,7 @@ Output step(const Config& config, State& state, const Input& input) {
     if (output.mode == safety::Mode::Running)
       state.applied = state.effort;
     else
-      hold(config, state);
+      apply_holding_effort(config, state);
     integrate(config, state);
     const bool guarded = config.safety.timeout > 0 && output.mode == safety::Mode::Running;
     if (const int i = guarded ? too_fast(config, state) : -1; i >= 0) {
@@ -217,7 +217,7 @@ Output step(const Config& config, State& state, const Input& input) {
           "v would be " + number(state.v[i]) + ", bound " + number(config.model.upperVelocityLimit[i]),
           output.events);
       output.mode = state.safety.mode;
-      hold(config, state);
+      apply_holding_effort(config, state);
       integrate(config, state);
     }
     fault = divergence(config, state);

@@ -44,7 +44,7 @@ struct State {
   Eigen::VectorXd effort;     ///< nv: of the last accepted command, clamped
   std::vector<bool> clamped;  ///< nv: which of its entries are clamped
   safety::State safety;
-  Memory memory;
+  DelayBuffer memory;
   Load load;
   rbd::Data data;  ///< scratch from here on
   Eigen::VectorXd force, a, twist, q, v, applied;

@@ -60,8 +60,8 @@ def test_pause_step_resume_and_live_gains_in_lockstep(tmp_path):
         assert json.loads(ok(send(run, "pause", "--json")))["step"] == step + 6, "five steps, not one more"
         assert "accepted, from step" in ok(send(run, "set", "controller", "kp=80"))
         assert "accepted, from step" in ok(send(run, "payload", "link2", "0.5", "--com", "0,0,0.1"))
-        for words, why in [(["set", "controller", "kq=1"], "has no 'kq'"), (["set", "controller", "kp=1,2"], "needed 1 or 3"),
-                           (["goal", "1", "2"], "needed 3"), (["goal", "100", "0", "0"], "its limits are"),
+        for words, why in [(["set", "controller", "kq=1"], "has no 'kq'"), (["set", "controller", "kp=1,2"], "expected 1 or 3"),
+                           (["goal", "1", "2"], "expected 3"), (["goal", "100", "0", "0"], "its limits are"),
                            (["goal", "--frame", "nowhere", "--position", "9,0,0"], "no frame 'nowhere'"),
                            (["reset"], "in lockstep"), (["push", "nowhere", "1", "2", "3"], "no frame 'nowhere'"),
                            (["payload", "nowhere", "1"], "no frame 'nowhere'"), (["payload", "link2", "-1"], "payload of -1 kg")]:

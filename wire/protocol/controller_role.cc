@@ -55,7 +55,7 @@ class LockstepController : public LockstepFollower {
     if (!due(record.step)) return;
     decode(record.reference, reference_);
     if (auto command = make_command(context_, control_, state, reference_, std::exchange(pending_, {})))
-      give(std::move(*command));
+      publish_answer(std::move(*command));
   }
 
   ControlStep control_;

@@ -54,7 +54,7 @@ void LockstepFollower::file(Channel channel, std::span<const uint8_t> bytes, Mic
     if (step < next_) ++late_;
     return;
   }
-  ring_.at(step).file(channel, bytes, false);
+  ring_.at(step).store(channel, bytes, false);
   if (channel == Channel::RobotState && step > next_ && gap_at_ != next_) {
     gap_at_ = next_;
     retry_timer_.trigger(now);
@@ -74,7 +74,7 @@ void LockstepFollower::handle_while_possible(Micros now) {
   }
 }
 
-void LockstepFollower::give(Answer answer) {
+void LockstepFollower::publish_answer(Answer answer) {
   Stored& stored = stored_[answer.step % stored_.size()];
   stored = {std::move(answer), 0};
   if (!catching_up_) context_.publish_answer(stored.answer);

@@ -31,7 +31,7 @@ class LockstepFollower : public FollowerRun {
                       std::span<const Action> actions) = 0;
 
   /// Publishes an answer and stores it.
-  void give(Answer answer);
+  void publish_answer(Answer answer);
 
  private:
   struct Stored {

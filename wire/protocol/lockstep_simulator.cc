@@ -20,7 +20,7 @@ LockstepSimulatorRole::LockstepSimulatorRole(SimulatorConfig config, SimulateSte
 void LockstepSimulatorRole::on_message(Channel channel, std::span<const uint8_t> bytes, Micros now) {
   if (channel != Channel::Reference && channel != Channel::Command && channel != Channel::Event) return;
   file(channel, bytes);
-  go_on(now);
+  take_due_steps(now);
 }
 
 void LockstepSimulatorRole::on_ack(const std::string& process, int64_t complete_to) {
@@ -40,7 +40,7 @@ void LockstepSimulatorRole::file(Channel channel, std::span<const uint8_t> bytes
     return;
   }
   if (channel == Channel::Command && !command_due(step)) return;
-  ring_.at(step).file(channel, bytes, false);
+  ring_.at(step).store(channel, bytes, false);
 }
 
 void LockstepSimulatorRole::refused(const Refusal& refusal, Micros now) {
@@ -74,7 +74,7 @@ void LockstepSimulatorRole::resend(const StepRecord& record) {
 // ---- steps --------------------------------------------------------------------------------------------------
 
 void LockstepSimulatorRole::begin(Micros now) {
-  if (publish_state(0, now)) go_on(now);
+  if (publish_state(0, now)) take_due_steps(now);
 }
 
 bool LockstepSimulatorRole::answered(int64_t step) {
@@ -87,7 +87,7 @@ bool LockstepSimulatorRole::has_credit(int64_t step) const {
                      [&](const auto& ack) { return ack.second >= step - kWindow; });
 }
 
-void LockstepSimulatorRole::go_on(Micros now) {
+void LockstepSimulatorRole::take_due_steps(Micros now) {
   while (phase_ == Phase::Running && published_ >= 0 && answered(published_)) {
     if (published_ >= last_step_) return end(false, "", now);
     if (paused_ && single_steps_ == 0) return;
@@ -121,7 +121,7 @@ bool LockstepSimulatorRole::publish_state(int64_t step, Micros now) {
   StepRecord& record = ring_.at(step);
   message.command_step = step > 0 ? (step - 1) / config_.every * config_.every : -1;
   compose(result, step, message, [&](Channel channel, const Bytes& bytes) {
-    record.file(channel, bytes, true);
+    record.store(channel, bytes, true);
     publish_(channel, bytes);
   });
   asked_ = 0;

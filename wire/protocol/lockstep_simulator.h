@@ -24,10 +24,10 @@ class LockstepSimulatorRole : public SimulatorRole {
   void on_ack(const std::string& process, int64_t complete_to) override;
   void on_need(int64_t step, Micros now) override;
   void on_input(int64_t step, const Bytes& input) override {
-    ring_.at(step).file(Channel::Input, input, false);
+    ring_.at(step).store(Channel::Input, input, false);
   }
   void begin(Micros now) override;
-  void go_on(Micros now) override;
+  void take_due_steps(Micros now) override;
   Micros next_wake() const override { return retry_timer_.due(); }
   int64_t utime(int64_t step) const override { return step_utime(step, config_.dt); }
   int64_t digest_of_last() override;

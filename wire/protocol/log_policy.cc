@@ -20,7 +20,7 @@ void LockstepLogPolicy::file(Channel channel, std::span<const uint8_t> bytes, Mi
     late_ += step <= log_.written;
     return;
   }
-  ring_.at(step).file(channel, bytes, true);
+  ring_.at(step).store(channel, bytes, true);
   if (channel == Channel::RobotState && step > log_.written + 2 && gap_at_ != log_.written) {
     gap_at_ = log_.written;
     retry_timer_.trigger(now);

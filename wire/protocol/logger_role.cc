@@ -55,7 +55,11 @@ void LoggerRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros
         log_.send_ack();
       }
       break;
-    default:
+    case Channel::Type:  // written from RUN's own schema
+    case Channel::Request:
+    case Channel::Reply:
+    case Channel::Ack:
+    case Channel::Need:
       break;
   }
 } catch (const std::exception& error) {

@@ -34,16 +34,18 @@ class LockstepPlanner : public LockstepFollower {
 
  private:
   void begin() override {
-    for (int64_t step = 0; step < setup().lead && step <= setup().last_step; ++step) give(step, {});
+    for (int64_t step = 0; step < setup().lead && step <= setup().last_step; ++step)
+      publish_reference(step, {});
   }
   void handle(const robot_state_t& message, const StepRecord& record,
               std::span<const Action> actions) override {
     const RobotState state = to_signal(message);
     const int64_t step = record.step + setup().lead;
-    if (step <= setup().last_step) give(step, {&state, actions});
+    if (step <= setup().last_step) publish_reference(step, {&state, actions});
   }
-  void give(int64_t step, const PlanInput& input) {
-    LockstepFollower::give(make_reference(context_, plan_, step, step_utime(step, setup().dt), input));
+  void publish_reference(int64_t step, const PlanInput& input) {
+    LockstepFollower::publish_answer(
+        make_reference(context_, plan_, step, step_utime(step, setup().dt), input));
   }
   PlanStep plan_;
 };

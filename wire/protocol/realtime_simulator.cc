@@ -52,7 +52,7 @@ void RealtimeSimulatorRole::start_grid(Micros now) {
   grid_start_ = now;
 }
 
-void RealtimeSimulatorRole::go_on(Micros now) {
+void RealtimeSimulatorRole::take_due_steps(Micros now) {
   while (phase_ == Phase::Running) {
     if (published_ >= last_step_) return end(false, "", now);
     if (paused_ && single_steps_ == 0) {

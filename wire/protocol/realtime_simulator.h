@@ -30,7 +30,7 @@ class RealtimeSimulatorRole : public SimulatorRole {
   void on_resume(Micros now) override { start_grid(now); }
   void on_reset(const std::string& sender) override;
   void begin(Micros now) override;
-  void go_on(Micros now) override;
+  void take_due_steps(Micros now) override;
   Micros next_wake() const override { return due(published_ + 1); }
   int64_t utime(int64_t step) const override { return due(step) + config_.wall_offset; }
 

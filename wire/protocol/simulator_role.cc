@@ -41,7 +41,7 @@ void SimulatorRole::receive(Channel channel, std::span<const uint8_t> bytes, Mic
         break;
       on_ack(ack.process, ack.complete_to);
       if (ack.closed && phase_ == Phase::Ending) closed_.insert(ack.process);
-      go_on(now);
+      take_due_steps(now);
       break;
     }
     case Channel::Need: {
@@ -113,7 +113,7 @@ void SimulatorRole::on_request(const request_t& request, Micros now) {
   }
   publish_(Channel::Reply, replies_[key] = encode(reply));
   idle_timer_.reset();
-  go_on(now);
+  take_due_steps(now);
 }
 
 /// Does what a request asks for. Returns why it is refused; empty if it is not.
@@ -131,8 +131,8 @@ std::string SimulatorRole::execute(const request_t& request, Micros now) {
     if (!paused_) return "the run is not paused";
     single_steps_ += action.values.empty() ? 1 : std::max<int64_t>(0, static_cast<int64_t>(action.values[0]));
   } else if (action.verb == "reset") {
-    again_ = config_.no_reset.empty();
-    if (!again_) return config_.no_reset;
+    restart_requested_ = config_.no_reset.empty();
+    if (!restart_requested_) return config_.no_reset;
     on_reset(request.sender);
   } else {
     if (std::string why = config_.why_not ? config_.why_not(action) : ""; !why.empty()) return why;
@@ -195,7 +195,7 @@ void SimulatorRole::tick(Micros now) {
              fmt::format("not ready in {:g} s: {}", config_.ready_deadline * 1e-6, missing_processes()), now);
       break;
     case Phase::Running:
-      go_on(now);
+      take_due_steps(now);
       break;
     case Phase::Ending:
       if (now >= next_end_) {
@@ -238,7 +238,7 @@ void SimulatorRole::stop(Micros now) {
   if (phase_ != Phase::Running) return;
   last_step_ = std::max(published_, input_step_);
   paused_ = false;
-  go_on(now);
+  take_due_steps(now);
 }
 
 void SimulatorRole::fail(int exit_code, const std::string& reason, Micros now) {

@@ -64,7 +64,7 @@ class SimulatorRole : public Role {
   /// us from the first ROBOT_STATE to END.
   Micros running_time() const { return ended_at_ - started_at_; }
   /// True if this run ends because a new one was requested.
-  bool again() const { return again_; }
+  bool restart_requested() const { return restart_requested_; }
 
  protected:
   enum class Phase { Gathering, Running, Ending, Over };
@@ -77,7 +77,7 @@ class SimulatorRole : public Role {
   virtual void on_resume(Micros) {}
   virtual void on_reset(const std::string& /*sender*/) {}  ///< ends the run soon
   virtual void begin(Micros now) = 0;                      ///< all processes are READY: step 0
-  virtual void go_on(Micros now) = 0;                      ///< takes the steps that are possible now
+  virtual void take_due_steps(Micros now) = 0;             ///< takes the steps that are possible now
   virtual Micros next_wake() const = 0;                    ///< while running
   virtual int64_t utime(int64_t step) const = 0;
   virtual int64_t digest_of_last() { return 0; }
@@ -98,7 +98,7 @@ class SimulatorRole : public Role {
   int64_t input_seq_ = 0, input_step_ = 0;
   std::vector<Action> actions_;  ///< of the INPUTs for the next step
   bool paused_ = false;
-  bool again_ = false;
+  bool restart_requested_ = false;
   int64_t single_steps_ = 0;  ///< steps that a paused run may still take
   std::string mode_ = "RUNNING";
   IdleTimer idle_timer_;

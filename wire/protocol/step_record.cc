@@ -39,7 +39,7 @@ void StepRecord::clear(int64_t new_step) {
   events.clear();
 }
 
-bool StepRecord::file(Channel channel, std::span<const uint8_t> bytes, bool replace) {
+bool StepRecord::store(Channel channel, std::span<const uint8_t> bytes, bool replace) {
   switch (channel) {
     case Channel::RobotState:
       return assign(state, bytes, replace);
@@ -53,9 +53,18 @@ bool StepRecord::file(Channel channel, std::span<const uint8_t> bytes, bool repl
       const auto event = decode<event_t>(bytes);
       return assign(events[{event.process, event.index}], bytes, replace);
     }
-    default:
+    case Channel::Run:
+    case Channel::Type:
+    case Channel::Request:
+    case Channel::Reply:
+    case Channel::End:
+    case Channel::Ack:
+    case Channel::Need:
+    case Channel::Process:
+    case Channel::Frame:
       return false;
   }
+  return false;
 }
 
 const Bytes* StepRecord::main_of(const std::string& process) const {

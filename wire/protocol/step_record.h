@@ -22,7 +22,7 @@ struct StepRecord {
   void clear(int64_t new_step);
   /// Files a message of this step. An earlier one with the same key stays, unless `replace`.
   /// Returns false if a step has no such message or the key is taken.
-  bool file(Channel channel, std::span<const uint8_t> bytes, bool replace);
+  bool store(Channel channel, std::span<const uint8_t> bytes, bool replace);
   /// True when the process' main message is here with all the extras that it counts.
   bool closed_by(const std::string& process) const;
   /// True when state, reference and the command (if `with_command`) are here, each with all its extras.

@@ -35,7 +35,7 @@ template <class T>
 void decode(std::span<const uint8_t> bytes, T& out) {
   if (out.decode(bytes.data(), 0, static_cast<int>(bytes.size())) != static_cast<int>(bytes.size())) {
     throw std::invalid_argument(std::string("decode ") + T::getTypeName() + ": these " +
-                                std::to_string(bytes.size()) + " bytes are not one");
+                                std::to_string(bytes.size()) + " bytes are not a valid one");
   }
 }
 

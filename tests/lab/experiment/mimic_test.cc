@@ -103,9 +103,10 @@ TEST(Mimic, ActionsCountWhatMoves) {
   const rbd::Model model = load_robot(e, kGripper).model;
   EXPECT_EQ(why_not(e, model, {"goal", "", "", "", {0.1, 0.2}}), "");
   EXPECT_EQ(why_not(e, model, {"goal", "", "", "", {0.1, 0.2, 0.3}}),
-            "goal has 3 values, needed 2, one for each joint");
+            "goal has 3 values, expected 2, one for each joint");
   EXPECT_EQ(why_not(e, model, {"set", "controller", "kp", "", {1, 2}}), "");
-  EXPECT_EQ(why_not(e, model, {"set", "controller", "kp", "", {1, 2, 3}}), "kp has 3 values, needed 1 or 2");
+  EXPECT_EQ(why_not(e, model, {"set", "controller", "kp", "", {1, 2, 3}}),
+            "kp has 3 values, expected 1 or 2");
   EXPECT_EQ(joint_at(model, 0), "arm");
   EXPECT_EQ(joint_at(model, 1), "finger_b");
 }

@@ -212,16 +212,16 @@ TEST(EvalInput, BadStatesLeaveTheOthersAlone) {
   ASSERT_EQ(states.size(), 9u);
   EXPECT_EQ(states[0], states[8]);
   EXPECT_TRUE(states[0].contains("M"));
-  const char* wanted[] = {"q has 2 numbers, needed 6",
-                          "q is missing, needed 6 numbers",
+  const char* wanted[] = {"q has 2 numbers, expected 6",
+                          "q is missing, expected 6 numbers",
                           "q[5] is \"x\", not a number",
-                          "q is 3, needed a list of 6 numbers",
-                          "is 7, needed an object with q, v, a, tau",
-                          "v has 1 numbers, needed 6"};
+                          "q is 3, expected a list of 6 numbers",
+                          "is 7, expected an object with q, v, a, tau",
+                          "v has 1 numbers, expected 6"};
   for (size_t k = 0; k < std::size(wanted); ++k) EXPECT_EQ(states[k + 1], json({{"error", wanted[k]}}));
   EXPECT_NE(states[7]["error"].get<std::string>().find("too large"), std::string::npos) << states[7];
   ASSERT_EQ(done.errors.size(), 7u);
-  EXPECT_EQ(done.errors[0], "state 1: q has 2 numbers, needed 6");
+  EXPECT_EQ(done.errors[0], "state 1: q has 2 numbers, expected 6");
 }
 
 TEST(EvalInput, ASingularRobotIsNamedNotNaN) {
@@ -244,9 +244,10 @@ std::string refusal(const std::function<void()>& asked) {
 TEST(EvalInput, WhatNoStateCanBear) {
   const rbd::Model model = robot("builtin:manipulator");
   EXPECT_EQ(refusal([&] { evaluate(model, json::array()); }),
-            "the input is [], needed an object with states and frames");
-  EXPECT_EQ(refusal([&] { evaluate(model, {{"states", 1}}); }), "states is 1, needed a list");
-  EXPECT_EQ(refusal([&] { evaluate(model, {{"frames", "x"}}); }), "frames is \"x\", needed a list of names");
+            "the input is [], expected an object with states and frames");
+  EXPECT_EQ(refusal([&] { evaluate(model, {{"states", 1}}); }), "states is 1, expected a list");
+  EXPECT_EQ(refusal([&] { evaluate(model, {{"frames", "x"}}); }),
+            "frames is \"x\", expected a list of names");
   EXPECT_NE(refusal([&] {
               evaluate(model, {{"frames", {"arm_tol_link"}}});
             }).find("'arm_tol_link' does not exist; near names: arm_tool_link"),

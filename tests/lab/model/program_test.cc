@@ -156,7 +156,7 @@ TEST_F(Program, EvalReadsStdinAndPrintsOneLineOfJson) {
 
   const Result half = run(std::string("eval ") + kArm, "{\"states\":[{\"q\":[0]},{\"q\":[0,0,0]}]}");
   EXPECT_EQ(half.code, 1);
-  EXPECT_EQ(half.err, "lab-model: state 0: q has 1 numbers, needed 3\n");
+  EXPECT_EQ(half.err, "lab-model: state 0: q has 1 numbers, expected 3\n");
   EXPECT_TRUE(json::parse(half.out)["states"][1].contains("M"));
 
   const Result frame = run(std::string("eval ") + kArm, "{\"frames\":[\"tool\"]}");

@@ -161,7 +161,7 @@ TEST(Controller, GainsCanBeSetWhileItRuns) {
       {{"set", "controller", "ki", "", {1}},
        "'set ki': the controller has no 'ki' to set; did you mean 'kp'? (it has kp, kd, stiffness, damping, "
        "com_gain)"},
-      {{"set", "controller", "kp", "", {1, 2}}, "'set kp': kp has 2 values, needed 1 or 6"},
+      {{"set", "controller", "kp", "", {1, 2}}, "'set kp': kp has 2 values, expected 1 or 6"},
       {{"set", "controller", "kd", "", {-1}}, "'set kd': kd is -1, must be finite and at least 0"},
       {{"set", "controller", "kd", "", {NAN}}, "'set kd': kd is nan, must be finite and at least 0"},
       {{"dance", "controller", "", "", {}}, "'dance': the controller has no such action"},

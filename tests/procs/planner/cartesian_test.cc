@@ -96,7 +96,7 @@ TEST(Cartesian, WhatCannotBeIsRefusedWithReasonAndDistance) {
       {goal({10, 0, 0.3}),
        "'effector_body' cannot be there: out of reach: 9.05 m from the target, after 31 starts"},
       {goal({1, 2}),
-       "goal of frame 'effector_body' has 2 values, needed 3 (position) or 7 (and a quaternion)"},
+       "goal of frame 'effector_body' has 2 values, expected 3 (position) or 7 (and a quaternion)"},
       {goal({0.5, 0, 0.5}, "efector_body"), "no frame 'efector_body'; did you mean 'effector_body'?"},
       {goal({0.5, 0, 0.5, 0, 0, 0, 0.5}), "has a quaternion of length 0.5"},
       {goal({1e9, 0, 0}), "goal of frame 'effector_body' is 1e+09 m away"},

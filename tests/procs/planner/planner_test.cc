@@ -150,7 +150,7 @@ TEST(Planner, UnknownActionsAreSaid) {
   const std::vector<Action> actions{{"goal", "", "", "", {1}}, {"push", "", "", "", {}}};
   const Output out = step(config, state, {.step = 0, .actions = actions});
   ASSERT_EQ(out.events.size(), 1u);
-  EXPECT_EQ(out.events[0].why, "'goal': has 1 values, needed 6");
+  EXPECT_EQ(out.events[0].why, "'goal': has 1 values, expected 6");
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ Vector3d unprojected(const render::Camera& camera, int x, int y, double depth, i
   return camera.view().inverse() * seen;
 }
 
-/// Every pixel that is said to be of a link lies, at its depth, on that link as the moment's q puts it.
+/// Every pixel that is said to be of a link lies, at its depth, on that link as the snapshot's q puts it.
 TEST(Pictures, DepthsAndLinksAreThoseOfThePose) {
   for (const char* keys : {"{size: [320, 240]}", "{size: [320, 240], orthographic: true, camera: side}",
                            "{size: [320, 240], orbit: 1, follow: effector_body}"}) {
@@ -52,10 +52,10 @@ TEST(Pictures, DepthsAndLinksAreThoseOfThePose) {
     Painter painter(run);
     rbd::Data data(robot.model);
     for (int64_t step : {0, 70, 200}) {
-      const Moment moment = sample_moment(robot.model, step, 0.1);
-      const render::Measurement seen = painter.measure(run.shot(moment));
-      const render::Camera camera = run.shot(moment).camera;
-      rbd::forwardKinematics(robot.model, data, moment.q);
+      const Snapshot snapshot = sample_moment(robot.model, step, 0.1);
+      const render::Measurement seen = painter.measure(run.shot(snapshot));
+      const render::Camera camera = run.shot(snapshot).camera;
+      rbd::forwardKinematics(robot.model, data, snapshot.q);
       std::map<int, int> pixels;
       double worst = 0;
       for (int y = 0; y < seen.height; ++y)
@@ -91,11 +91,11 @@ TEST(Pictures, LinksAreSeenWhereTheirMiddlesAre) {
   rbd::Data data(robot.model);
   int direct = 0;
   for (int64_t step = 0; step <= 200; step += 40) {
-    const Moment moment = sample_moment(robot.model, step);
-    const render::Measurement seen = painter.measure(run.shot(moment));
-    rbd::forwardKinematics(robot.model, data, moment.q);
+    const Snapshot snapshot = sample_moment(robot.model, step);
+    const render::Measurement seen = painter.measure(run.shot(snapshot));
+    rbd::forwardKinematics(robot.model, data, snapshot.q);
     for (const auto& shape : robot.geometry.visual) {
-      const Vector3d pixel = run.shot(moment).camera.pixel(
+      const Vector3d pixel = run.shot(snapshot).camera.pixel(
           (data.oMi[shape.parentJoint] * shape.placement).translation(), 320, 240);
       const size_t at = seen.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
       const bool own = run.links()[seen.id[at]] == robot.model.frames[shape.parentFrame].name;
@@ -122,12 +122,12 @@ TEST(Pictures, TheTraceLiesWhereTheToolWas) {
   rbd::Data data(robot.model);
   std::vector<Vector3d> points;
   for (int64_t step = 0; step <= 120; ++step) {
-    const Moment moment = sample_moment(robot.model, step);
-    run.remember(moment);
-    rbd::forwardKinematics(robot.model, data, moment.q);
+    const Snapshot snapshot = sample_moment(robot.model, step);
+    run.remember(snapshot);
+    rbd::forwardKinematics(robot.model, data, snapshot.q);
     points.push_back(data.oMf[robot.model.frameId("effector_body")].translation());
   }
-  const Moment now = sample_moment(robot.model, 120);
+  const Snapshot now = sample_moment(robot.model, 120);
   Painter painter(run), plain(bare);
   const render::Image a = painter.draw(run.shot(now)).image, b = plain.draw(bare.shot(now)).image;
   const render::Measurement seen = plain.measure(bare.shot(now));
@@ -168,8 +168,8 @@ TEST(Pictures, TextsSayStepTimeAndCamera) {
   const Robot robot = load_robot(e);
   RunScene run(robot, e);
   Painter painter(run);
-  const Moment moment = sample_moment(robot.model, 150);
-  const Picture picture = painter.draw(run.shot(moment));
+  const Snapshot snapshot = sample_moment(robot.model, 150);
+  const Picture picture = painter.draw(run.shot(snapshot));
   std::map<std::string, std::string> texts(picture.texts.begin(), picture.texts.end());
   EXPECT_EQ(texts["step"], "150");
   EXPECT_EQ(texts["time"], "1.500000 s");
@@ -180,8 +180,8 @@ TEST(Pictures, TextsSayStepTimeAndCamera) {
                         &back.up[0], &back.up[1], &back.up[2], &back.fov),
             10)
       << texts["camera"];
-  EXPECT_LT((back.eye - run.shot(moment).camera.eye).norm(), 1e-4);
-  EXPECT_LT((back.target - run.shot(moment).camera.target).norm(), 1e-4);
+  EXPECT_LT((back.eye - run.shot(snapshot).camera.eye).norm(), 1e-4);
+  EXPECT_LT((back.target - run.shot(snapshot).camera.target).norm(), 1e-4);
 }
 
 TEST(Pictures, ArrowsAndLegendShowWhatTheySay) {
@@ -190,14 +190,14 @@ TEST(Pictures, ArrowsAndLegendShowWhatTheySay) {
   const auto draw = [&](Extras extras) {
     RunScene run(robot, e, std::move(extras));
     for (int64_t step = 0; step <= 100; ++step) {
-      Moment moment = sample_moment(robot.model, step);
-      moment.v[0] = 1;
-      run.remember(moment);
+      Snapshot snapshot = sample_moment(robot.model, step);
+      snapshot.v[0] = 1;
+      run.remember(snapshot);
     }
     run.finish_run();
-    Moment moment = sample_moment(robot.model, 60);
-    moment.v[0] = 1;
-    return Painter(run).draw(run.shot(moment)).image;
+    Snapshot snapshot = sample_moment(robot.model, 60);
+    snapshot.v[0] = 1;
+    return Painter(run).draw(run.shot(snapshot)).image;
   };
   const render::Image plain = draw({});
   const auto differing = [&](const render::Image& image, int rows_from) {

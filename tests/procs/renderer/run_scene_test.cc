@@ -75,9 +75,9 @@ TEST(RunScene, WhatStandsStillHasNoGhost) {
   EXPECT_EQ(bases, 1);
   RunScene resting(robot, e);
   for (int64_t step = 0; step < 9; ++step) {
-    Moment moment = sample_moment(robot.model, 0);
-    moment.step = step;
-    resting.remember(moment);
+    Snapshot snapshot = sample_moment(robot.model, 0);
+    snapshot.step = step;
+    resting.remember(snapshot);
   }
   for (const Body& body : resting.ghosts(6).scene.bodies) EXPECT_EQ(body.group, 0);
 }
@@ -102,7 +102,7 @@ TEST(RunScene, PicturesDoNotDependOnWhatComesLater) {  // live pictures are thos
   RunScene live(robot, e), after(robot, e);
   remember_all(live, robot.model, 80);
   remember_all(after, robot.model, 200);
-  const Moment now = sample_moment(robot.model, 80);
+  const Snapshot now = sample_moment(robot.model, 80);
   const render::Scene a = live.shot(now).scene, b = after.shot(now).scene;
   ASSERT_EQ(a.bodies.size(), b.bodies.size());
   const auto &one = *a.bodies[0].parts[0].mesh, &other = *b.bodies[0].parts[0].mesh;
@@ -176,12 +176,12 @@ TEST(RunScene, TheCameraKeepsToThePlanUnlessTheRunLeftIt) {
   remember_all(run, robot.model, 200, 2.5);
   run.finish_run();
   for (int64_t step = 0; step <= 200; step += 20) {
-    const Moment moment = sample_moment(robot.model, step, 2.5);
-    for (const Body& body : run.shot(moment).scene.bodies) {
+    const Snapshot snapshot = sample_moment(robot.model, step, 2.5);
+    for (const Body& body : run.shot(snapshot).scene.bodies) {
       const render::Bounds box = render::bounds(body);
       for (int i = 0; i < 8; ++i) {
         const Eigen::Vector3d pixel =
-            run.shot(moment).camera.pixel(box.corner(static_cast<render::Bounds::CornerType>(i)), 640, 480);
+            run.shot(snapshot).camera.pixel(box.corner(static_cast<render::Bounds::CornerType>(i)), 640, 480);
         EXPECT_TRUE(pixel.x() > 0 && pixel.x() < 640 && pixel.y() > 0 && pixel.y() < 480) << body.name;
       }
     }
@@ -195,9 +195,9 @@ TEST(RunScene, AFollowedFrameStaysWhereItIsInThePicture) {
   rbd::Data data(robot.model);
   std::vector<Eigen::Vector3d> pixels;
   for (int64_t step : {0, 60, 90, 200}) {
-    const Moment moment = sample_moment(robot.model, step);
-    rbd::forwardKinematics(robot.model, data, moment.q);
-    pixels.push_back(run.shot(moment).camera.pixel(
+    const Snapshot snapshot = sample_moment(robot.model, step);
+    rbd::forwardKinematics(robot.model, data, snapshot.q);
+    pixels.push_back(run.shot(snapshot).camera.pixel(
         data.oMf[robot.model.frameId("effector_body")].translation(), 640, 480));
   }
   for (const Eigen::Vector3d& pixel : pixels) EXPECT_LT((pixel - pixels[0]).norm(), 1e-9);

@@ -18,20 +18,20 @@ inline Experiment sample_experiment(const std::string& renderer = "{}") {
 }
 
 /// The planned pose, with something added to the first joint: what a tracking error would do.
-inline Moment sample_moment(const rbd::Model& model, int64_t step, double error = 0) {
+inline Snapshot sample_moment(const rbd::Model& model, int64_t step, double error = 0) {
   const double s = std::min(static_cast<double>(step) * 0.01 / 1.5, 1.0);
   const double blend = s * s * s * (10 - 15 * s + 6 * s * s);
   Eigen::VectorXd start(6), goal(6);
   start << -0.5, 0.6, -1.0, 0, 0.4, 0;
   goal << 0.7, 0.9, -0.7, 0.3, 0.2, 0.5;
-  Moment moment;
-  moment.step = step;
-  moment.time = static_cast<double>(step) * 0.01;
-  moment.reference = start + blend * (goal - start);
-  moment.q = moment.reference;
-  moment.q[0] += error;
-  moment.v = Eigen::VectorXd::Zero(model.nv);
-  return moment;
+  Snapshot snapshot;
+  snapshot.step = step;
+  snapshot.time = static_cast<double>(step) * 0.01;
+  snapshot.reference = start + blend * (goal - start);
+  snapshot.q = snapshot.reference;
+  snapshot.q[0] += error;
+  snapshot.v = Eigen::VectorXd::Zero(model.nv);
+  return snapshot;
 }
 
 }  // namespace lab::renderer

@@ -58,7 +58,7 @@ TEST(Send, GoalForAFrame) {
   }
   EXPECT_EQ(refusal([] { goal(Place{"tool", "", "", ""}, 0); }), "goal: --frame tool needs --position x,y,z");
   EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2", "", ""}, 0); }),
-            "--position: '1,2' has 2 numbers, needed 3");
+            "--position: '1,2' has 2 numbers, expected 3");
   EXPECT_EQ(refusal([] { goal(Place{"tool", "1,,2", "", ""}, 0); }), "--position: '' is not a number");
   EXPECT_EQ(refusal([] { goal(Place{"tool", "1,2,3", "", "0,0,0,0"}, 0); }),
             "--quaternion: its length is 0, must be 1");
@@ -80,7 +80,7 @@ TEST(Send, PushIsAngularFirstOnTheWire) {
   EXPECT_EQ(push("tool", Words{"1", "2", "3"}, 0.5).values, (Numbers{0, 0, 0, 1, 2, 3, 0.5}));
   EXPECT_EQ(push("tool", Words{"1", "2", "3", "4", "5", "6"}, 0.5).values, (Numbers{4, 5, 6, 1, 2, 3, 0.5}));
   EXPECT_EQ(refusal([] { push("tool", Words{"1"}, 0.5); }),
-            "push: has 1 numbers, needed 3 (force, N) or 6 (force and torque, Nm)");
+            "push: has 1 numbers, expected 3 (force, N) or 6 (force and torque, Nm)");
   EXPECT_EQ(refusal([] { push("tool", Words{"1", "2", "inf"}, 0.5); }), "push: inf is not finite");
   EXPECT_EQ(refusal([] { push("tool", Words{"1", "2", "3"}, 0); }), "--for: 0 is no time in s");
 }
@@ -90,7 +90,7 @@ TEST(Send, PayloadIsMassThenPlace) {
   EXPECT_EQ(payload("tool", "0", "0,-0.1,1e-1").values, (Numbers{0, 0, -0.1, 0.1}));
   EXPECT_EQ(payload("tool", "1", "").verb + payload("tool", "1", "").target, "payloadtool");
   EXPECT_EQ(refusal([] { payload("tool", "heavy", ""); }), "payload: 'heavy' is not a number");
-  EXPECT_EQ(refusal([] { payload("tool", "1", "1,2"); }), "--com: '1,2' has 2 numbers, needed 3");
+  EXPECT_EQ(refusal([] { payload("tool", "1", "1,2"); }), "--com: '1,2' has 2 numbers, expected 3");
 }
 
 TEST(Send, WhatCameOfIt) {

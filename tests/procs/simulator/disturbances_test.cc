@@ -141,7 +141,7 @@ TEST(Payloads, TheNewTakesThePlaceOfTheOldAndNothingIsLeft) {
   EXPECT_EQ(put("universe", 1)[0].why,
             "'payload': frame 'universe' stands on the ground; name one that moves");
   EXPECT_EQ(put("effector_body", -1)[0].why,
-            "'payload': payload of -1 kg, needed at least 0 and at most 1e+06");
+            "'payload': payload of -1 kg, expected at least 0 and at most 1e+06");
 }
 
 /// A wheel with a stop at 1 rad, spinning at it with 1 rad/s from 0.5 rad.
@@ -236,7 +236,7 @@ TEST(Disturbances, SayWhatIsWrongWithThem) {
   e.simulator.limit_repulsion.stiffness.value = 10.0;
   e.simulator.limit_repulsion.margin.value = 0.0;
   EXPECT_EQ(refusal(e, model), "x.yaml: simulator.limit_repulsion.margin: is 0 for joint '" + model.names[1] +
-                                   "'; the spring needs some way, for example 0.1");
+                                   "'; the spring needs some distance, for example 0.1");
   e.simulator.limit_repulsion.margin.value = 50.0;
   EXPECT_NE(refusal(e, model).find("50 is more than half of the way that joint"), std::string::npos);
 }

@@ -8,8 +8,8 @@
 namespace lab::safety {
 namespace {
 
-constexpr Config kAuto{.timeout = 20, .manual = false, .prove = 20};
-constexpr Config kManual{.timeout = 20, .manual = true, .prove = 20};
+constexpr Config kAuto{.timeout = 20, .manual = false, .fresh_to_resume = 20};
+constexpr Config kManual{.timeout = 20, .manual = true, .fresh_to_resume = 20};
 
 /// A machine and its own count of steps.
 struct Machine {
@@ -79,7 +79,7 @@ TEST(Safety, ManualWaitsForAPerson) {
   while (m.next() == Mode::Running) {
   }
   EXPECT_EQ(m.commanded(100), Mode::Holding);
-  EXPECT_EQ(m.next(1, false, true), Mode::Running);  // proven long ago
+  EXPECT_EQ(m.next(1, false, true), Mode::Running);  // enough fresh commands long ago
 }
 
 TEST(Safety, AnEmergencyStopIsLatched) {

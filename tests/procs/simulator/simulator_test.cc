@@ -163,7 +163,7 @@ TEST(Simulator, ABadCommandIsRefusedAndTheLastHeld) {
   bad.tau = Eigen::VectorXd::Zero(5);
   out = step(config, state, {.command = &bad});
   ASSERT_EQ(out.events.size(), 1u);
-  EXPECT_EQ(out.events[0].why, "tau has 5 entries, needed 6");
+  EXPECT_EQ(out.events[0].why, "tau has 5 entries, expected 6");
   EXPECT_EQ(out.state.tau, good.tau);
 }
 

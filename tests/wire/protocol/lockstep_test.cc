@@ -41,10 +41,10 @@ std::vector<Logged> log_by_hand(const run_t& run) {
     const StepResult advance = simulator(step, fresh ? &command : nullptr, {});
     const auto add_events = [&](const std::vector<Event>& events, const char* process) {
       for (size_t i = 0; i < events.size(); ++i)
-        record.file(Channel::Event,
-                    encode(to_message(events[i], process, step, step_utime(step, setup.dt), run.run,
-                                      static_cast<int64_t>(i))),
-                    true);
+        record.store(Channel::Event,
+                     encode(to_message(events[i], process, step, step_utime(step, setup.dt), run.run,
+                                       static_cast<int64_t>(i))),
+                     true);
     };
     const auto head = [&](auto& message, const std::vector<Event>& events) {
       message.utime = step_utime(step, setup.dt);
@@ -146,7 +146,7 @@ TEST(Lockstep, ALogWithInputsExplainsItself) {
     for (const Logged& entry : world.log().kept) {
       if (entry.channel == Channel::Run || entry.channel == Channel::End) continue;
       const int64_t step = peek_step(entry.bytes);
-      records[step].file(entry.channel, entry.bytes, true);
+      records[step].store(entry.channel, entry.bytes, true);
       if (entry.channel == Channel::Input) {
         actions[step].push_back(to_signal(decode<input_t>(entry.bytes).action));
         ++inputs;

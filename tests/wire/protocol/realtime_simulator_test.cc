@@ -182,7 +182,7 @@ TEST(RealtimeSimulatorRole, AResetEndsTheRunWithAWordAboutIt) {
   const reply_t reply = w.request("reset", 2);
   EXPECT_TRUE(reply.ok);
   EXPECT_EQ(reply.step, 11);
-  EXPECT_TRUE(w.simulator->again());
+  EXPECT_TRUE(w.simulator->restart_requested());
   w.run_to(w.now + 200 * kDt);
   const auto event = decode<event_t>(w.last(Channel::Event));
   EXPECT_EQ(event.what, "reset");
@@ -202,7 +202,7 @@ TEST(RealtimeSimulatorRole, AResetThatNobodyWouldFollowIsRefused) {
   EXPECT_EQ(reply.reason, "no supervisor");
   w.run_to(w.now + 20 * kDt);
   EXPECT_EQ(w.simulator->step(), 30) << "the run goes on";
-  EXPECT_FALSE(w.simulator->again());
+  EXPECT_FALSE(w.simulator->restart_requested());
 }
 
 TEST(RealtimeSimulatorRole, AFloodOfBadCommandsGetsOneEventInAHundredSteps) {

@@ -6,7 +6,7 @@
 
 namespace lab::renderer {
 
-struct Moment {
+struct Snapshot {
   int64_t step = 0;
   double time = 0;            ///< s
   Eigen::VectorXd q, v;       ///< v may be empty
