@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "core/util/big_endian.h"
 #include "wire/schema/channel_name.h"
@@ -46,45 +47,68 @@ std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) {
   return packet;
 }
 
+namespace {
+
+bool by_offset(const Assembly::Part& a, const Assembly::Part& b) {
+  return std::pair(a.offset, a.size) < std::pair(b.offset, b.size);
+}
+
+// Brings the parts into the order of their offsets; false unless they fill the message without gap or overlap.
+bool put_in_order(Assembly& a) {
+  const bool in_order = std::is_sorted(a.arrived.begin(), a.arrived.end(), by_offset);
+  std::sort(a.arrived.begin(), a.arrived.end(), by_offset);
+  uint32_t end = 0;
+  for (const Assembly::Part& part : a.arrived) {
+    if (part.offset != end) return false;
+    end += part.size;
+  }
+  if (end != a.size) return false;
+  if (in_order) return true;
+  std::vector<uint8_t> ordered;
+  ordered.reserve(a.size);
+  for (const Assembly::Part& part : a.arrived)
+    ordered.insert(ordered.end(), a.data.begin() + part.at, a.data.begin() + part.at + part.size);
+  a.data = std::move(ordered);
+  return true;
+}
+
+}  // namespace
+
 void Assembler::close(size_t index) {
-  bytes_ -= half_done_[index].size;
+  bytes_ -= half_done_[index].data.size();
   half_done_.erase(half_done_.begin() + static_cast<ptrdiff_t>(index));
 }
 
+void Assembler::give_up_oldest(std::optional<uint64_t> sender) {
+  size_t oldest = half_done_.size();
+  for (size_t i = 0; i < half_done_.size(); ++i) {
+    if (sender && half_done_[i].sender != *sender) continue;
+    if (oldest == half_done_.size() || half_done_[i].age < half_done_[oldest].age) oldest = i;
+  }
+  close(oldest);
+  ++abandoned_;
+}
+
 Assembly& Assembler::open(uint64_t sender, const Packet& packet) {
-  const auto oldest = [&](bool of_sender) {
-    size_t best = half_done_.size();
-    for (size_t i = 0; i < half_done_.size(); ++i) {
-      if (of_sender && half_done_[i].sender != sender) continue;
-      if (best == half_done_.size() || half_done_[i].age < half_done_[best].age) best = i;
-    }
-    return best;
-  };
   const auto of_sender = static_cast<size_t>(std::count_if(
       half_done_.begin(), half_done_.end(), [&](const Assembly& a) { return a.sender == sender; }));
-  if (of_sender >= kPerSender) {
-    close(oldest(true));
-    ++abandoned_;
-  }
-  while (!half_done_.empty() && (half_done_.size() >= kInAll || bytes_ + packet.size > kMaxBytes)) {
-    close(oldest(false));
-    ++abandoned_;
-  }
+  if (of_sender >= kPerSender) give_up_oldest(sender);
+  while (half_done_.size() >= kInAll) give_up_oldest(std::nullopt);
   Assembly& a = half_done_.emplace_back();
   a.data.swap(whole_.data);  // the memory of the last message serves the next
+  a.data.clear();
   a.sender = sender;
   a.sequence = packet.sequence;
   a.size = packet.size;
   a.parts = packet.parts;
-  a.missing = packet.parts;
   a.seen.assign(packet.parts, false);
   a.age = ++clock_;
-  bytes_ += packet.size;
   return a;
 }
 
 Assembler::Result Assembler::add(uint64_t sender, const Packet& packet) {
   if (packet.size > max_message_) return Result::Bad;
+  while (bytes_ > kMaxBytes) give_up_oldest(std::nullopt);
   size_t i = 0;
   while (i < half_done_.size() &&
          !(half_done_[i].sender == sender && half_done_[i].sequence == packet.sequence))
@@ -100,23 +124,20 @@ Assembler::Result Assembler::add(uint64_t sender, const Packet& packet) {
   Assembly& a = half_done_[i];
   if (a.seen[packet.number]) return Result::More;
   a.seen[packet.number] = true;
-  --a.missing;
-  a.got += packet.data.size();
   if (packet.number == 0) a.channel = packet.channel;
-  // memory follows what has arrived, not what a header claims
-  const size_t end = packet.offset + packet.data.size();
-  if (a.data.size() < end) {
-    if (a.data.capacity() < end) a.data.reserve(std::min<size_t>(a.size, 2 * end));
-    a.data.resize(end);
+  a.arrived.push_back(
+      {packet.offset, static_cast<uint32_t>(a.data.size()), static_cast<uint32_t>(packet.data.size())});
+  a.data.insert(a.data.end(), packet.data.begin(), packet.data.end());
+  bytes_ += packet.data.size();
+  if (a.data.size() > a.size) {
+    close(i);
+    return Result::Bad;
   }
-  std::copy(packet.data.begin(), packet.data.end(), a.data.begin() + packet.offset);
-  if (a.missing > 0) return Result::More;
-  const bool whole = a.got == a.size && a.data.size() >= a.size;
-  if (whole) {
-    a.data.resize(a.size);
-    whole_ = std::move(a);
-  }
-  close(i);
+  if (a.arrived.size() < a.parts) return Result::More;
+  const bool whole = put_in_order(a);
+  bytes_ -= a.data.size();
+  if (whole) whole_ = std::move(a);
+  half_done_.erase(half_done_.begin() + static_cast<ptrdiff_t>(i));
   return whole ? Result::Whole : Result::Bad;
 }
 

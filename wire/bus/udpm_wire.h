@@ -33,17 +33,21 @@ struct Packet {
 /// Nothing when the bytes are not a packet of this format or its sizes are inconsistent.
 std::optional<Packet> parse_packet(std::span<const uint8_t> bytes);
 
-/// A message put together from its fragments.
+/// A message put together from its fragments. Memory and time follow what has arrived, never what a header claims.
 struct Assembly {
+  struct Part {
+    uint32_t offset = 0;  ///< in the message
+    uint32_t at = 0;      ///< in `data`
+    uint32_t size = 0;
+  };
   uint64_t sender = 0;
   uint32_t sequence = 0;
   uint32_t size = 0;  ///< bytes of the whole message
   uint16_t parts = 0;
-  std::string channel;  ///< known once part 0 is here
-  std::vector<uint8_t> data;
+  std::string channel;        ///< known once part 0 is here
+  std::vector<uint8_t> data;  ///< of the parts, as they arrived
+  std::vector<Part> arrived;
   std::vector<bool> seen;  ///< per part
-  uint32_t missing = 0;    ///< parts
-  uint64_t got = 0;        ///< bytes
   uint64_t age = 0;
 };
 
@@ -64,10 +68,12 @@ class Assembler {
   const Assembly& whole() const { return whole_; }
   int64_t abandoned() const { return abandoned_; }  ///< messages given up unfinished
   size_t half_done() const { return half_done_.size(); }
+  uint64_t held_bytes() const { return bytes_; }  ///< of half-done messages
 
  private:
   Assembly& open(uint64_t sender, const Packet& packet);
   void close(size_t index);
+  void give_up_oldest(std::optional<uint64_t> sender);
   uint32_t max_message_;
   std::vector<Assembly> half_done_;
   Assembly whole_;

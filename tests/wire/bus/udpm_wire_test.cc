@@ -147,6 +147,40 @@ TEST(UdpmAssembler, ContradictionsAndBounds) {
   EXPECT_EQ(add(499, fragments(1, "C", noise(9000, 1), 6000)[1]), Result::Whole);
 }
 
+// A few bytes at the far end of a large message: nothing is set aside for what lies before them.
+TEST(UdpmAssembler, MemoryFollowsWhatArrivedNotWhatIsClaimed) {
+  Assembler assembler(64 << 20);
+  const uint8_t byte = 1;
+  Packet packet;
+  packet.fragment = true;
+  packet.size = 64 << 20;
+  packet.offset = packet.size - 1;
+  packet.number = 1;
+  packet.parts = 2;
+  packet.data = {&byte, 1};
+  for (uint64_t sender = 1; sender <= 3; ++sender)
+    EXPECT_EQ(assembler.add(sender, packet), Assembler::Result::More);
+  EXPECT_EQ(assembler.half_done(), 3u);
+  EXPECT_EQ(assembler.held_bytes(), 3u);
+}
+
+// Parts that overlap and leave a gap of the same size are not a message, although their bytes add up.
+TEST(UdpmAssembler, OverlapAndGapThatAddUpAreRefused) {
+  Assembler assembler(100);
+  const Bytes half = noise(5, 1);
+  Packet packet;
+  packet.fragment = true;
+  packet.size = 10;
+  packet.parts = 2;
+  packet.channel = "C";
+  packet.data = half;
+  EXPECT_EQ(assembler.add(1, packet), Assembler::Result::More);
+  packet.number = 1;
+  packet.offset = 4;
+  EXPECT_EQ(assembler.add(1, packet), Assembler::Result::Bad);
+  EXPECT_EQ(assembler.held_bytes(), 0u);
+}
+
 TEST(UdpmPacket, RandomBytesAreHandled) {
   std::mt19937 rng(11);
   Assembler assembler(1 << 16);
