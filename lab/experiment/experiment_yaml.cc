@@ -13,6 +13,7 @@
 
 #include "core/util/number.h"
 #include "lab/experiment/keys.h"
+#include "lab/experiment/yaml_load.h"
 #include "lab/experiment/yaml_values.h"
 
 namespace lab {
@@ -29,7 +30,7 @@ class Document {
     for_each_key(static_cast<const Experiment&>(nothing_),
                  [&](const Key& key, const auto&) { keys_.push_back(key.name); });
     try {
-      root_ = YAML::Load(text);
+      root_ = yaml::load(text, file_);
     } catch (const YAML::ParserException& e) {
       throw ExperimentError(not_yaml(text, e));
     }
@@ -68,7 +69,7 @@ class Document {
       throw ExperimentError(head + text + ": must look like controller.kp=80");
     YAML::Node value;
     try {
-      value = YAML::Load(text.substr(equals + 1));
+      value = yaml::load(text.substr(equals + 1), head + path);
     } catch (const YAML::ParserException& e) {
       throw ExperimentError(head + path + ": not a YAML value: " + e.msg);
     }

@@ -11,6 +11,7 @@
 
 #include "core/util/number.h"
 #include "lab/evaluation/evaluate.h"
+#include "lab/experiment/yaml_load.h"
 
 namespace lab::sweep {
 namespace {
@@ -43,7 +44,7 @@ class Reader {
     sweep_.name = std::filesystem::path(file_).stem();
     YAML::Node root;
     try {
-      root = YAML::Load(experiment_text(file_));
+      root = yaml::load(experiment_text(file_), file_);
     } catch (const YAML::ParserException& e) {
       throw ExperimentError(place(e.mark) + ": not YAML: " + e.msg);
     }

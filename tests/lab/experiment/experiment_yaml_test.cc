@@ -19,6 +19,23 @@ std::string error_of(const std::string& text, const std::vector<std::string>& se
   return test::refusal_of([&] { parse_experiment(text, "x.yaml", set); });
 }
 
+// Nine lists of nine aliases each: some 400 bytes that stand for 9^9 values.
+TEST(ExperimentYaml, AliasesThatStandForTooMuchAreRefusedAtOnce) {
+  std::string text = "robot: {model: m}\na0: &a0 [1,1,1,1,1,1,1,1,1]\n";
+  for (int i = 1; i < 9; ++i) {
+    const std::string below = "*a" + std::to_string(i - 1);
+    text += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + below;
+    for (int k = 1; k < 9; ++k) text += "," + below;
+    text += "]\n";
+  }
+  EXPECT_EQ(error_of(text),
+            "x.yaml: stands for more than 100000 values or 64 levels once its aliases are replaced: write "
+            "less of it");
+  const std::string deep(70, '[');
+  EXPECT_NE(error_of("robot: {model: m}\na: " + deep + std::string(70, ']')).find("64 levels"),
+            std::string::npos);
+}
+
 struct Case {
   const char* text;
   const char* message;
