@@ -23,7 +23,7 @@ int main() {
   // shared_ptr counts the owners of the model; unique_ptr has one owner, and can be moved
   const auto shared = std::make_shared<const rbd::Model>(arm);
   const auto also = shared;
-  std::cout << "owners of the shared model: " << shared.use_count() << "\n";
+  std::cout << "owners of the shared model: " << also.use_count() << "\n";
   auto mine = std::make_unique<rbd::Data>(*shared);
   const auto yours = std::move(mine);
   std::cout << "after the move my pointer is " << (mine ? "still set" : "empty") << "\n";

@@ -42,7 +42,7 @@ Reach::Joint joint_of_reach(const Run& run, const Reach& reach, double displacem
   Reach::Joint out;
   out.displacement = displacement;
   size_t inside_since = beyond.size();  // of the last stretch
-  for (size_t i = beyond.size(); i-- > 0 && std::abs(beyond[i]) <= run.band;) inside_since = i;
+  while (inside_since > 0 && std::abs(beyond[inside_since - 1]) <= run.band) --inside_since;
   out.settling = inside_since == beyond.size()
                      ? NAN
                      : static_cast<double>(run.states[reach.arrival + inside_since].step -

@@ -17,8 +17,10 @@ int64_t hash_of_file(const std::string& path) {
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
   XXH3_64bits_reset(state.get());
   std::vector<char> block(1 << 20);
-  while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0)
+  do {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
     XXH3_64bits_update(state.get(), block.data(), static_cast<size_t>(in.gcount()));
+  } while (in);
   return static_cast<int64_t>(XXH3_64bits_digest(state.get()));
 }
 

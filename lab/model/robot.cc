@@ -75,7 +75,10 @@ Robot load(const std::string& name, const RobotOptions& options) {
   } else {
     robot.file = name;
     std::string why;
-    if (name.find("://") != name.npos && (robot.file = find(name, why)).empty()) return refused(name, why);
+    if (name.find("://") != name.npos) {
+      robot.file = find(name, why);
+      if (robot.file.empty()) return refused(name, why);
+    }
     rbd::urdf::Options urdf;
     urdf.floating_base = options.floating_base;
     urdf.mimic = options.mimic;

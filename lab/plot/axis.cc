@@ -63,7 +63,7 @@ std::vector<Tick> Axis::logarithmic_ticks(size_t most) const {
             last = static_cast<int>(std::ceil(std::log10(high_)));
   std::vector<int> digits{1};
   if (last - first <= 3)
-    digits = static_cast<size_t>(3 * (last - first)) <= most ? std::vector{1, 2, 5} : std::vector{1, 3};
+    digits = 3 * static_cast<size_t>(last - first) <= most ? std::vector{1, 2, 5} : std::vector{1, 3};
   const int step = std::max(1, (last - first + static_cast<int>(most)) / static_cast<int>(most + 1));
   const bool plain = first >= -3 && last <= 5;
   std::vector<Tick> ticks;

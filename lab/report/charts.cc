@@ -129,7 +129,7 @@ ChartGroup error_charts(const Run& run) {
   std::vector<double> ordered = size;
   std::sort(ordered.rbegin(), ordered.rend());
   const double least = many ? ordered[kOwnInks - 1] : 0;
-  for (const std::string unit : {"rad", "m"}) {
+  for (const char* const unit : {"rad", "m"}) {
     Chart chart{.title = "errors of the joints over time", .width = 1080, .height = 270};
     size_t inks = 0;
     for (size_t j = 0; j < joints.size(); ++j) {
@@ -270,8 +270,10 @@ ChartGroup loop_charts(const std::vector<Loops>& all) {
 int64_t loop_quantile(const Loops& loops, double share) {
   const int64_t total = std::accumulate(loops.counts.begin(), loops.counts.end(), int64_t{0});
   auto left = static_cast<int64_t>(share * static_cast<double>(total));
-  for (int bin = 0; bin < kLoopBins; ++bin)
-    if ((left -= loops.counts[static_cast<size_t>(bin)]) < 0) return loop_bin_start(bin + 1) - 1;
+  for (int bin = 0; bin < kLoopBins; ++bin) {
+    left -= loops.counts[static_cast<size_t>(bin)];
+    if (left < 0) return loop_bin_start(bin + 1) - 1;
+  }
   return loop_bin_start(kLoopBins);
 }
 

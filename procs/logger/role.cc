@@ -6,7 +6,7 @@ namespace lab::logger {
 
 std::unique_ptr<Role> make_role(LoggerConfig config, LogSink& sink, Publish publish) {
   const BeginRun begin = [](const run_t& message) { return setup_of(open_run(message)); };
-  return std::make_unique<LoggerRole>(std::move(config), begin, type_messages, sink, std::move(publish));
+  return std::make_unique<LoggerRole>(config, begin, type_messages, sink, std::move(publish));
 }
 
 }  // namespace lab::logger

@@ -172,7 +172,7 @@ struct CartesianPath : Motion {
 std::unique_ptr<Motion> make_line(const Experiment& e, const Config& config) {
   const rbd::SE3 from = start(e, config);
   if (!e.planner.to) fail(e, "planner.to", "is missing; a line needs the position where it ends, [x, y, z]");
-  const Eigen::Vector3d a = from.translation(), ab = vector(*e.planner.to) - a;
+  const Eigen::Vector3d &a = from.translation(), ab = vector(*e.planner.to) - a;
   const Curve curve{"line", "planner.to", [a, ab](double s) -> Eigen::Vector3d { return a + s * ab; }};
   return std::make_unique<CartesianPath>(e, config, curve, from);
 }

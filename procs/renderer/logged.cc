@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 std::string find_log(const std::string& source) {
   if (!fs::is_directory(source)) return source;
-  const std::string log = source + "/log.lcm";
+  std::string log = source + "/log.lcm";
   if (!fs::exists(log) && fs::exists(part_name(log))) return part_name(log);
   return log;
 }

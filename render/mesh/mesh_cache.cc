@@ -258,6 +258,7 @@ MeshFile from_cache(const std::string& path, const MeshOptions& options) {
       fs::last_write_time(entry, fs::file_time_type::clock::now(), none);
       return file;
     } catch (const std::exception&) {
+      kept.clear();  // a damaged entry: it is made anew
     }
   }
   MeshFile file = make(path, options);

@@ -9,7 +9,7 @@ remembered in ~/.cache/lcmlab/tidy, for every checkout. Stops after S seconds (1
 the next run; --full goes on to the end. --changed checks only what differs from the last commit. FILE.. checks these alone. Exit 0 without findings, 1 with, 2 when it cannot run.
 
 Most of clang-tidy's time goes into headers. So files with much in common are checked as one text; what does not compile
-as such a text (two files with the same name in an anonymous namespace) is checked alone.
+as such a text (two files with the same name in an anonymous namespace), or has a finding in it, is checked alone.
 """
 import argparse
 import collections
@@ -218,6 +218,9 @@ def check(options, root, tool):
                     left += batch
                     continue
                 found, broken = result
+                if len(batch) > 1:  # a finding may come from the others of the batch: it counts when the file alone has it
+                    broken = sorted(set(broken) | {f.split(":")[0] for f in found} & set(batch))
+                    found = [f for f in found if f.split(":")[0] not in broken]
                 alone += broken
                 for finding in found:
                     if finding not in findings:

@@ -84,8 +84,9 @@ Workspace::Workspace(const Model& model) : topology(model.topology()), scratch(m
     for (PaddedMatrix* x : {&M, &M2}) *x = PaddedMatrix(tree.nv, tree.nv);
   }
 
-  scratch.F.assign(static_cast<std::size_t>(6 * stride), 0.0);
-  scratch.P.assign(static_cast<std::size_t>(6 * stride) * static_cast<std::size_t>(deepest + 1), 0.0);
+  const std::size_t rows = 6 * static_cast<std::size_t>(stride);
+  scratch.F.assign(rows, 0.0);
+  scratch.P.assign(rows * static_cast<std::size_t>(deepest + 1), 0.0);
 }
 
 template struct Scratch<double>;

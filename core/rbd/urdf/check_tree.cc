@@ -133,7 +133,7 @@ bool leads_to_itself(const std::string& name, const Leaders& leaders) {
 std::string check_tree(const Description& robot, Report& report) {
   const Tree tree = join_links(robot, report);
   if (report.failed()) return {};
-  const std::string root = find_root(robot, tree, report);
+  std::string root = find_root(robot, tree, report);
   if (report.failed()) return {};
   const std::set<std::string> reached = links_below(root, tree);
   for (const auto& [name, link] : robot.links) {
