@@ -36,6 +36,7 @@ write_state() {
     echo "supervisor $own_pid $began"
     echo "isolation ${LAB_ISOLATED:-none}"
     echo "url ${LCM_DEFAULT_URL:-}"
+    echo "prefix ${LAB_PREFIX:-}"
     echo "phase $phase"
     echo "code $ended_code"
     echo "reason $reason"

@@ -172,7 +172,25 @@ point_latest() { ln -sfn "$(basename "$dir")" "$LAB_RUNS/.latest.$$" && mv -T "$
 
 # A run holds a lock on its own folder while it runs: there is no lock file, and the kernel always releases the lock.
 # (The check takes a shared lock for a moment, so that two checks at once do not fail each other.)
-run_is_alive() { ! flock -sn "$1" true; }
+# Anybody who may read the folder can hold such a lock too: where there is a supervisor, it must live as well.
+run_is_alive() { ! flock -sn "$1" true && { [ ! -f "$1/processes/state" ] || supervisor_lives "$1"; }; }
+
+# supervisor_lives DIR: sets supervisor to the pid in the run's state; fails unless that process is the run's supervisor. A
+# state file can be old, or anybody's: its process must be of the folder's owner, run supervise on this folder, and be as
+# old as the state says (the kernel may have given the pid to another process since).
+supervisor_lives() {
+  local key began words stat started
+  supervisor=''
+  { while read -r key words; do [ "$key" = supervisor ] && read -r supervisor began <<<"$words"; done <"$1/processes/state"; } 2>/dev/null
+  [[ ${supervisor:-} =~ ^[1-9][0-9]*$ && ${began:-} =~ ^[0-9]+$ ]] || return 1
+  { read -r stat <"/proc/$supervisor/stat"; } 2>/dev/null || return 1
+  read -ra stat <<<"${stat##*) }"
+  [ "${stat[0]}" != Z ] || return 1
+  started=$((stat[19] * 10)) # ms since boot: the kernel counts hundredths of a second
+  [ "$started" -le $((began + 20)) ] || return 1
+  [ "$(stat -c %u "/proc/$supervisor" 2>/dev/null)" = "$(stat -c %u "$1")" ] || return 1
+  [[ $({ tr '\0' ' ' <"/proc/$supervisor/cmdline"; } 2>/dev/null) == *"/supervise --dir $(readlink -f "$1")/processes "* ]]
+}
 
 # --- running labs ----------------------------------------------------------------------------------------------------
 # running_labs: sets running to the folders of all labs under runs/ that run and accept commands.
@@ -234,7 +252,7 @@ enter_lab() {
     [ "/proc/$pid/ns/user" -ef /proc/self/ns/user ] || into+=(--user --preserve-credentials)
     into+=(--)
   fi
-  export LCM_DEFAULT_URL=${lab_state[url]}
+  export LCM_DEFAULT_URL=${lab_state[url]} LAB_PREFIX=${lab_state[prefix]:-}
   exec "${into[@]}" "$@"
 }
 

@@ -41,7 +41,8 @@ int follower_main(int argc, char** argv, const std::string& name,
   app.add_option("--run-dir", run_dir, "the run's folder: lets a restarted process catch up from its log")
       ->envname("LAB_RUN_DIR");
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
+  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
+      ->envname("LAB_PREFIX");
   app.add_option("--deadline", deadline, "s without a message from the simulator that end the process")
       ->check(CLI::PositiveNumber);
   app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);

@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
   double deadline = 10, ready = 10;
   app.add_option("--run-dir", run_dir, "folder that the logs go to")->envname("LAB_RUN_DIR")->required();
   app.add_option("-l,--lcm-url,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
+  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
+      ->envname("LAB_PREFIX");
   app.add_option("--deadline", deadline, "s without any message that end the process")
       ->check(CLI::PositiveNumber);
   app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);

@@ -106,7 +106,8 @@ int main(int argc, char** argv) {
   auto* live = app.add_option(
       "--run-dir", run_dir, "the run folder: reads experiment.yaml, writes frames/, contact.png, ghost.png");
   app.add_option("-l,--url", participation.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", participation.prefix, "of channel names, where several robots share a bus");
+  app.add_option("--prefix", participation.prefix, "of channel names, where several robots share a bus")
+      ->envname("LAB_PREFIX");
   const LogOptions options = add_outputs(app, job);
   options.source->excludes(live);
   add_appearance(app, job, options.source);

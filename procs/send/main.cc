@@ -186,7 +186,8 @@ struct Words {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
+  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
+      ->envname("LAB_PREFIX");
   app.add_option("--run", options.run, "only this run (hexadecimal), where several are on the bus")
       ->check([](const std::string& word) {
         return !word.empty() && word.size() <= 16 &&

@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
   app.add_option("--experiment", experiment_file, "YAML file (default: the run folder's experiment.yaml)");
   app.add_option("--run-dir", run_dir, "the run's folder")->envname("LAB_RUN_DIR");
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus");
+  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
+      ->envname("LAB_PREFIX");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -23,7 +23,7 @@ namespace {
 using nlohmann::ordered_json;
 
 struct Options {
-  std::string url, types, channel;
+  std::string url, prefix, types, channel;
   std::vector<std::string> fields;
   double seconds = 1, timeout = 0;
   int64_t count = 0;
@@ -197,7 +197,7 @@ int echo(const Options& options) {
 
 int who(const Options& options) {
   BusOptions only;
-  only.channels = {"PROCESS"};
+  only.channels = {wire_name(Channel::Process, options.prefix)};
   const auto bus = open_bus(options.url, only);
   Guard guard;
   struct Life {
@@ -205,7 +205,7 @@ int who(const Options& options) {
   };
   std::map<std::pair<std::string, int32_t>, Life> lives;
   listen(*bus, std::llround(options.seconds * 1e6), [&](const Datagram& datagram) {
-    if (datagram.channel != "PROCESS" || !guard.check(Channel::Process, datagram.data)) return true;
+    if (datagram.channel != only.channels[0] || !guard.check(Channel::Process, datagram.data)) return true;
     const auto process = decode<process_t>(datagram.data);
     const auto [life, is_new] = lives.try_emplace({process.name, process.pid}, Life{process, process});
     life->second.last = process;
@@ -213,8 +213,8 @@ int who(const Options& options) {
   });
   ordered_json all = ordered_json::array();
   if (!options.as_json)
-    fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "name", "state", "pid", "step",
-               "steps/s", "p50 us", "p99 us", "max us", "overruns");
+    fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9} {:>8} {:>8} {:>8} {:>9} {:>8}\n", "name", "state", "pid",
+               "step", "steps/s", "p50 us", "p99 us", "max us", "overruns", "dropped");
   for (const auto& [key, life] : lives) {
     const process_t &a = life.first, &z = life.last;
     const double span = static_cast<double>(z.utime - a.utime) * 1e-6;
@@ -235,12 +235,16 @@ int who(const Options& options) {
                      {"lost", z.lost},
                      {"late", z.late},
                      {"rejected", z.rejected},
+                     {"foreign", z.foreign},
+                     {"malformed", z.malformed},
+                     {"overflow", z.overflow},
                      {"last_rejected", z.last_rejected},
                      {"run", fmt::format("{:016x}", static_cast<uint64_t>(z.run))},
                      {"model_hash", fmt::format("{:016x}", static_cast<uint64_t>(z.model_hash))}});
     else
-      fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9.0f} {:>8.0f} {:>8.0f} {:>8.0f} {:>9}\n", z.name, z.state,
-                 z.pid, z.step, rate, p50, p99, most, z.overruns);
+      fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9.0f} {:>8.0f} {:>8.0f} {:>8.0f} {:>9} {:>8}\n", z.name,
+                 z.state, z.pid, z.step, rate, p50, p99, most, z.overruns,
+                 z.rejected + z.foreign + z.malformed + std::max<int64_t>(z.overflow, 0));
   }
   if (options.as_json) fmt::print("{}\n", all.dump(2));
   return interrupted ? 128 + interrupted : kOk;
@@ -255,6 +259,8 @@ int run(int argc, char** argv) {
       "ROBOT_STATE --once");
   Options options;
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  app.add_option("--prefix", options.prefix, "of a lab's channel names: CHANNEL and who are meant with it")
+      ->envname("LAB_PREFIX");
   app.add_option("--types", options.types, "folder with .lcm files");
   app.add_flag("--json", options.as_json, "print JSON");
   const auto span = [&](CLI::App* verb) {
@@ -286,6 +292,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kOk : kUsage;
   }
+  if (!options.channel.empty() && !options.channel.starts_with(options.prefix))
+    options.channel = options.prefix + options.channel;
   install_signal_handlers();
   return guarded_main("lab-spy", [&] {
     try {
