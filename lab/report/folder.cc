@@ -53,7 +53,7 @@ std::vector<Note> read_notes(const std::string& log, double dt) {
 std::vector<Loops> read_loops(const std::string& telemetry) {
   std::map<std::string, std::map<int32_t, process_t>> newest;  // by name and pid
   for_each_message(telemetry, [&](Channel channel, std::span<const uint8_t> data) {
-    if (channel != Channel::Process) return;
+    if (channel != Channel::Process || !is_of_type<process_t>(data)) return;
     auto message = decode<process_t>(data);
     newest[message.name][message.pid] = message;
   });
@@ -149,11 +149,16 @@ Folder read_folder(const std::string& dir) {
     if (out.no_log.starts_with(log + ": ")) out.no_log = "log.lcm: " + out.no_log.substr(log.size() + 2);
     out.logged.reset();
   }
-  if (out.logged) out.experiment = out.logged->experiment;
+  const auto take_from_log = [&] {
+    if (out.logged) out.experiment = out.logged->experiment;
+  };
   try {
-    if (!out.experiment_text.empty())
+    if (out.experiment_text.empty())
+      take_from_log();
+    else
       out.experiment = parse_experiment(out.experiment_text, out.name + "/experiment.yaml");
-  } catch (const std::exception&) {  // an older or broken text: the log has what counts
+  } catch (const std::exception&) {
+    take_from_log();  // an older or broken text: the log has what counts
   }
   if (fs::exists(root / "telemetry.lcm")) out.loops = read_loops(root / "telemetry.lcm");
   out.pictures = read_pictures(root, out.frames);

@@ -19,6 +19,7 @@ std::string procfile(const Experiment& e, const std::string& run_dir, const std:
   std::string out;
   std::map<std::string, std::string> own = e.processes;
   const auto add = [&](const std::string& name, const std::string& usual, bool required) {
+    const bool guest = own.contains(name);
     std::string command = "exec " + usual;  // else a signal of honcho would end the shell before the program
     if (const auto it = own.find(name); it != own.end()) {
       command = replaced(it->second, "{run_dir}", dir);
@@ -28,7 +29,8 @@ std::string procfile(const Experiment& e, const std::string& run_dir, const std:
       command =
           "export LAB_FAULT_DROP=" + number(e.faults.drop) + "," + std::to_string(e.seed) + "; " + command;
     out += "#lab: " + name + " required=" + (required ? "yes" : "no") +
-           " restart=" + (name == "simulator" ? "never" : restart) + "\n" + name + ": " + command + "\n";
+           " restart=" + (name == "simulator" ? "never" : restart) + (guest ? " guest=yes" : "") + "\n" +
+           name + ": " + command + "\n";
   };
   add("simulator",
       "lab-simulator --experiment " + shell_quote(run_dir + "/experiment.yaml") + " --run-dir " + dir, true);

@@ -35,7 +35,7 @@ std::unique_ptr<SimulatorRole> make_role(const Experiment& experiment, const Rob
   config.run = encode(run);
   config.run_id = run.run;
   config.model_hash = run.model_hash;
-  config.nonce = nonce;
+  config.wall_offset = wall_now() - monotonic_now();
   config.nq = run.nq;
   config.nv = run.nv;
   config.dt = experiment.simulator.dt;
@@ -50,7 +50,6 @@ std::unique_ptr<SimulatorRole> make_role(const Experiment& experiment, const Rob
   if (experiment.simulator.clock == "realtime") {
     if (nonce == 0)
       config.no_reset = "this simulator has no supervisor (scripts/lab up) that would start the next run";
-    config.wall_offset = wall_now() - monotonic_now();
     return std::make_unique<RealtimeSimulatorRole>(std::move(config), advance, std::move(publish));
   }
   config.no_reset =

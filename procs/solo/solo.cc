@@ -37,12 +37,13 @@ Outcome run(const Experiment& experiment, const Robot& robot, LogSink& sink,
   recorder.every = experiment.logger.every;
   const auto logger = logger::make_role(recorder, sink, bus.publish());
   bus.add(*logger);
-  const auto simulator = simulator::make_role(experiment, robot, 0, bus.publish());  // publishes RUN
+  const auto simulator = simulator::make_role(experiment, robot, 0, bus.publish());
   bus.add(*simulator);
 
   const Role& leader = *simulator;
   const std::array<Role*, 3> followers{planner.get(), controller.get(), logger.get()};
   Micros now = 0;
+  simulator->tick(now);  // publishes RUN
   bus.deliver(leader, now, 100);
   for (const Role* role : followers)
     if (role->outcome().ended) return role->outcome();

@@ -68,6 +68,8 @@ class Bus {
   virtual BusCounters counters() const = 0;
   /// One line of text: back end, address, receive buffer asked and granted.
   virtual std::string describe() const = 0;
+  /// The address that others see as Datagram::sender; 0 = the back end does not tell.
+  virtual uint64_t own_address() const { return 0; }
   /// Readable when messages wait: for a ppoll of the caller's own.
   virtual int fd() const = 0;
 };

@@ -67,6 +67,7 @@ class UdpmBus : public Bus {
   int poll(int64_t timeout_us, const Handler& handler, int64_t batch_us) override;
   BusCounters counters() const override;
   std::string describe() const override;
+  uint64_t own_address() const override { return self_; }
   int fd() const override { return receive_.fd; }
 
  private:

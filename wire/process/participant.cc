@@ -9,9 +9,14 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <lab/ack_t.hpp>
+#include <lab/event_t.hpp>
+#include <lab/need_t.hpp>
 #include <lab/process_t.hpp>
+#include <sstream>
 
 #include "core/util/interrupt.h"
+#include "wire/process/launch_record.h"
 #include "wire/protocol/lateness.h"
 #include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
@@ -34,10 +39,66 @@ std::vector<std::string> names_of(const std::vector<Channel>& channels, const st
   return names;
 }
 
+/// PROCESS is always among them: it tells which address is whose.
 BusOptions bus_options(const ParticipantOptions& options) {
   BusOptions bus;
-  bus.channels = names_of(options.channels, options.prefix);
+  std::vector<Channel> channels = options.channels;
+  if (!channels.empty()) channels.push_back(Channel::Process);
+  bus.channels = names_of(channels, options.prefix);
+  bus.max_message = kLargestMessage;
   return bus;
+}
+
+/// The names of env LAB_GUESTS, which the supervisor sets.
+std::vector<std::string> guests() {
+  std::vector<std::string> names;
+  const char* text = std::getenv("LAB_GUESTS");
+  std::istringstream words(text ? text : "");
+  for (std::string name; std::getline(words, name, ',');) names.push_back(name);
+  return names;
+}
+
+/// The run's folder, where the supervisor keeps its record; empty for a process that was started by hand.
+std::string run_dir() {
+  const char* text = launch_nonce() != 0 ? std::getenv("LAB_RUN_DIR") : nullptr;
+  return text ? text : "";
+}
+
+/// Messages about a step that a process cannot know more than kWindow steps before the simulator publishes it.
+bool bounded_by_state(Channel channel) {
+  switch (channel) {
+    case Channel::Reference:
+    case Channel::Command:
+    case Channel::Input:
+    case Channel::Event:
+    case Channel::Ack:
+    case Channel::Need:
+      return true;
+    case Channel::Run:
+    case Channel::Type:
+    case Channel::RobotState:
+    case Channel::Request:
+    case Channel::Reply:
+    case Channel::End:
+    case Channel::Process:
+    case Channel::Frame:
+      return false;
+  }
+  return false;
+}
+
+/// The process that a message of a channel with Publisher::Named comes from.
+std::string named_publisher(Channel channel, std::span<const uint8_t> bytes) {
+  switch (channel) {
+    case Channel::Event:
+      return decode<event_t>(bytes).process;
+    case Channel::Ack:
+      return decode<ack_t>(bytes).process;
+    case Channel::Need:
+      return decode<need_t>(bytes).sender;
+    default:
+      return {};
+  }
 }
 
 /// True for a message that would be well formed if its numbers were finite.
@@ -86,10 +147,15 @@ Participant::Participant(ParticipantOptions options)
       bus_(open_bus(options_.url, bus_options(options_))),
       incoming_(options_.prefix),
       outgoing_(options_.prefix),
+      publishers_(options_.name, launch_nonce(), guests(),
+                  [record = LaunchRecord(run_dir())](const std::string& name, uint64_t address) {
+                    return record.check(name, address);
+                  }),
       nonce_(launch_nonce()),
       loops_(256, 0.f) {
   for (const ChannelRow& channel : kChannelTable)
     wire_names_.push_back(wire_name(channel.id, options_.prefix));
+  publishers_.set_own_address(bus_->own_address());
   install_signal_handlers();
 }
 
@@ -101,12 +167,44 @@ Publish Participant::publish() {
   };
 }
 
+void Participant::note_stranger(Channel channel, const std::string& reason, Role& role) {
+  ++foreign_;
+  last_rejected_ = fmt::format("{}: {}", row(channel).name, reason);
+  const Micros now = monotonic_now();
+  role.stranger(channel, reason, now);
+  if (now < next_complaint_) return;
+  next_complaint_ = now + 1'000'000;
+  fmt::print(stderr, "lab-{}: ignored {}\n", options_.name, last_rejected_);
+}
+
+/// Whether the message comes from the process that alone may publish it. It has passed the guard.
+bool Participant::is_attributed(Channel channel, const Datagram& datagram, Role& role) {
+  const Micros now = monotonic_now();
+  std::string why;
+  if (channel == Channel::Process) {
+    const auto process = decode<process_t>(datagram.data);
+    why = publishers_.process(process.name, process.nonce, datagram.sender, now);
+  } else if (channel == Channel::Need && peek_step(datagram.data) == kBeforeStart) {
+    // RUN is given to anybody
+  } else if (row(channel).publisher == Publisher::Named) {
+    why = publishers_.message(channel, named_publisher(channel, datagram.data), datagram.sender, now);
+  }
+  if (!why.empty()) note_stranger(channel, why, role);
+  return why.empty();
+}
+
 void Participant::receive(Role& role, const Datagram& datagram) {
   const auto channel = channel_of(datagram.channel, options_.prefix);
   if (!channel) return;
-  if (!options_.channels.empty() &&
-      std::find(options_.channels.begin(), options_.channels.end(), *channel) == options_.channels.end())
-    return;
+  const bool wanted =
+      options_.channels.empty() ||
+      std::find(options_.channels.begin(), options_.channels.end(), *channel) != options_.channels.end();
+  if (!wanted && *channel != Channel::Process) return;
+  // whose message it is comes before what is in it: a stranger's malformed COMMAND is not the controller's fault
+  if (const std::string_view owner = Publishers::owner_of(*channel); !owner.empty()) {
+    const std::string why = publishers_.message(*channel, owner, datagram.sender, monotonic_now());
+    if (!why.empty()) return note_stranger(*channel, why, role);
+  }
   const Verdict verdict = incoming_.check(*channel, datagram.data);
   switch (verdict.kind) {
     case Verdict::Foreign:
@@ -122,6 +220,15 @@ void Participant::receive(Role& role, const Datagram& datagram) {
     case Verdict::Accepted:
       break;
   }
+  if (!is_attributed(*channel, datagram, role) || !wanted) return;
+  const int64_t newest = std::max(newest_state_, options_.name == kSimulator ? role.step() : -1);
+  if (bounded_by_state(*channel) && newest >= 0 && verdict.head.step > newest + kWindow) {
+    ++rejected_;
+    last_rejected_ =
+        fmt::format("{}: step {}, ROBOT_STATE is at {}", row(*channel).name, verdict.head.step, newest);
+    return;
+  }
+  if (*channel == Channel::RobotState) newest_state_ = std::max(newest_state_, verdict.head.step);
   ++received_;
   role.receive(*channel, datagram.data, monotonic_now());
   if (role.run() != incoming_.run()) {
@@ -144,6 +251,7 @@ int Participant::run(Role& role) {
       incoming_.set_run(role.run());
       incoming_.set_sizes(role.nq(), role.nv());
     }
+    publish_process(role, role.state());  // before any other message of ours: it tells the others our address
     while (!role.outcome().ended) {
       const Micros before = monotonic_now();
       const Micros wake = role.lateness() ? role.wake() - kEarly : role.wake();
@@ -202,6 +310,8 @@ void Participant::publish_process(Role& role, const std::string& state) {
   process.late = role.late();
   process.rejected = rejected_;
   process.foreign = foreign_;
+  process.malformed = bus.malformed;
+  process.overflow = bus.overflow;
   process.last_rejected = last_rejected_;
   std::vector<float> loops(loops_.begin(),
                            loops_.begin() + static_cast<std::ptrdiff_t>(std::min(next_loop_, loops_.size())));

@@ -7,6 +7,7 @@
 
 #include "wire/bus/bus.h"
 #include "wire/protocol/loop_bins.h"
+#include "wire/protocol/publishers.h"
 #include "wire/protocol/role.h"
 #include "wire/schema/guard.h"
 
@@ -19,7 +20,7 @@ struct ParticipantOptions {
   std::vector<Channel> channels;  ///< to listen to; empty: all
 };
 
-/// Runs a role: guards every message both ways, publishes PROCESS, turns SIGINT and SIGTERM into Role::stop (a second one ends
+/// Runs a role: checks the sender of every message that arrives, guards messages both ways, publishes PROCESS, turns SIGINT and SIGTERM into Role::stop (a second one ends
 /// the process at once).
 class Participant {
  public:
@@ -32,14 +33,19 @@ class Participant {
 
  private:
   void receive(Role& role, const Datagram& datagram);
+  bool is_attributed(Channel channel, const Datagram& datagram, Role& role);
+  void note_stranger(Channel channel, const std::string& reason, Role& role);
   void publish_process(Role& role, const std::string& state);
   void note_loop(Micros us);
 
   ParticipantOptions options_;
   std::unique_ptr<Bus> bus_;
   Guard incoming_, outgoing_;
+  Publishers publishers_;
   std::vector<std::string> wire_names_;  ///< by Channel
   int64_t nonce_;
+  int64_t newest_state_ = -1;  ///< step of the last ROBOT_STATE that counted
+  Micros next_complaint_ = 0;
   int64_t received_ = 0, rejected_ = 0, foreign_ = 0;
   std::string last_rejected_;
   std::vector<float> loops_;                      ///< us, the last few hundred

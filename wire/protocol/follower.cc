@@ -53,7 +53,10 @@ void FollowerRole::receive(Channel channel, std::span<const uint8_t> bytes, Micr
     case Channel::Process:
       if (const auto process = decode<process_t>(bytes); process.name == kSimulator) {
         context_.idle_timer.reset();
-        if (run_) run_->on_simulator_state(process.state);
+        if (run_)
+          run_->on_simulator_state(process.state);
+        else
+          retry_timer_.trigger(now);  // its RUN may have come before its address was known
       }
       break;
     case Channel::End:

@@ -25,7 +25,7 @@ void LockstepSimulatorRole::on_message(Channel channel, std::span<const uint8_t>
 
 void LockstepSimulatorRole::on_ack(const std::string& process, int64_t complete_to) {
   int64_t& known = acks_[process];
-  if (complete_to > known) {
+  if (complete_to > known && complete_to <= published_) {
     known = complete_to;
     idle_timer_.reset();
   }
@@ -53,10 +53,11 @@ void LockstepSimulatorRole::refused(const Refusal& refusal, Micros now) {
 }
 
 void LockstepSimulatorRole::on_need(int64_t step, Micros now) {
+  if (step == kBeforeStart) return publish_run_again(now);
+  if (step < 0 || step > published_ + kWindow) return;
   Micros& last = resent_[step];
   if (last != 0 && now - last < kFirstWait / 2) return;
   last = now;
-  if (step == kBeforeStart) return publish_(Channel::Run, config_.run);
   resent_.erase(resent_.lower_bound(0), resent_.lower_bound(std::max<int64_t>(published_ - ring_.size(), 0)));
   if (const StepRecord* record = ring_.find(step)) resend(*record);
   if (!end_.empty() && step >= last_step_) publish_(Channel::End, end_);

@@ -36,6 +36,8 @@ void LoggerRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros
       if (!policy_) on_run(bytes);
       break;
     case Channel::Process:
+      if (!policy_) retry_timer_.trigger(now);  // RUN may have come before the simulator's address was known
+      [[fallthrough]];
     case Channel::Frame:
       sink_.telemetry(channel, bytes);
       break;

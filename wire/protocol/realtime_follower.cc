@@ -40,10 +40,14 @@ void RealtimeFollower::tick(Micros now) {
     return;
   }
   decode(newest_, state_);
-  if (!inputs_.complete_to(state_.input_seq)) {
-    if (retry_timer_.expired(now)) context_.request(state_.step - 2 * kWindow);
+  // an INPUT that does not come although it was asked for so often has been replaced by a later one
+  if (!inputs_.complete_to(state_.input_seq) && asked_ < kAsks) {
+    if (!retry_timer_.expired(now)) return;
+    ++asked_;
+    context_.request(kBeforeStart);
     return;
   }
+  asked_ = 0;
   newest_.clear();
   unanswered_ = !answer(state_, inputs_.take_to(state_.input_seq));
   next_ = state_.step + 1;

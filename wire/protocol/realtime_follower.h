@@ -27,6 +27,8 @@ class RealtimeFollower : public FollowerRun {
  private:
   Bytes newest_;  ///< the newest ROBOT_STATE, until it is answered
   Micros answered_at_ = 0;
+  static constexpr int kAsks = 6;  ///< 63 ms in all
+  int asked_ = 0;                  ///< times that missing INPUTs were asked for
   bool held_ = true;
   bool unanswered_ = true;  ///< the newest state could not be answered, or none has come for `timeout` steps
 };

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <lab/input_t.hpp>
+
 #include "wire/protocol/convert.h"
 #include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
@@ -28,11 +30,46 @@ void RealtimeSimulatorRole::refused(const Refusal& refusal, Micros) {
   noticed_.push_back({"command_rejected", kController, refusal.reason});
 }
 
-void RealtimeSimulatorRole::on_need(int64_t step, Micros) {
-  if (step == kBeforeStart) publish_(Channel::Run, config_.run);
-  for (const Bytes& input : inputs_)
-    if (peek_step(input) >= step) publish_(Channel::Input, input);
+bool StrangerLimit::allows(const std::string& who, Micros now) {
+  if (now - second_ >= 1'000'000) {
+    second_ = now;
+    count_ = 0;
+    last_.clear();
+  }
+  if (count_ >= 10 || !last_.try_emplace(who, now).second) return false;
+  ++count_;
+  return true;
+}
+
+void RealtimeSimulatorRole::stranger(Channel channel, const std::string& reason, Micros now) {
+  if (phase_ != Phase::Running || !strangers_.allows(reason, now)) return;
+  noticed_.push_back({"stranger_ignored", std::string(row(channel).name), reason});
+}
+
+void RealtimeSimulatorRole::on_input(int64_t, const Bytes& input) {
+  const auto message = decode<input_t>(input);
+  int64_t& seq = kept_seq_[{message.action.verb, message.action.target, message.action.key}];
+  kept_.erase(seq);
+  seq = message.input_seq;
+  kept_[seq] = input;
+  if (kept_.size() <= kMaxKept) return;
+  kept_.erase(kept_.begin());
+  std::erase_if(kept_seq_, [&](const auto& entry) { return !kept_.contains(entry.second); });
+}
+
+/// The INPUTs follow with the next ticks.
+void RealtimeSimulatorRole::on_need(int64_t step, Micros now) {
+  if (step == kBeforeStart) publish_run_again(now);
+  if (resend_from_ == INT64_MAX) resend_from_ = 0;
   if (!end_.empty()) publish_(Channel::End, end_);
+}
+
+void RealtimeSimulatorRole::tick(Micros now) {
+  SimulatorRole::tick(now);
+  auto input = kept_.lower_bound(resend_from_);
+  for (int n = 0; n < kInputsPerTick && input != kept_.end(); ++n, ++input)
+    publish_(Channel::Input, input->second);
+  resend_from_ = input == kept_.end() ? INT64_MAX : input->first;
 }
 
 /// Takes one more step, so that the log contains the reason for the end.
@@ -53,7 +90,7 @@ void RealtimeSimulatorRole::start_grid(Micros now) {
 }
 
 void RealtimeSimulatorRole::take_due_steps(Micros now) {
-  while (phase_ == Phase::Running) {
+  for (int n = 0; n < kStepsPerTick && phase_ == Phase::Running; ++n) {
     if (published_ >= last_step_) return end(false, "", now);
     if (paused_ && single_steps_ == 0) {
       start_grid(now + kRepeat);

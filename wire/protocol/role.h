@@ -24,6 +24,7 @@ inline constexpr const char* kSimulator = "simulator";
 inline constexpr const char* kPlanner = "planner";
 inline constexpr const char* kController = "controller";
 inline constexpr const char* kLogger = "logger";
+inline constexpr const char* kRenderer = "renderer";
 
 inline constexpr int64_t kBeforeStart = -1;  ///< the `step` of RUN, and of NEED that asks for it
 
@@ -51,6 +52,8 @@ class Role {
   virtual void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) = 0;
   /// Takes note of a message that the guard refused.
   virtual void refused(const Refusal&, Micros) {}
+  /// Takes note of a message that was dropped because its sender may not publish it.
+  virtual void stranger(Channel, const std::string& /*reason*/, Micros) {}
   /// Does what is due. Call it after the waiting messages were received, at wake(), and at least every kRepeat.
   virtual void tick(Micros now) = 0;
   virtual Micros wake() const = 0;

@@ -14,6 +14,11 @@
 #include "wire/schema/codec.h"
 
 namespace lab {
+namespace {
+
+constexpr size_t kMaxFormer = 64;
+
+}  // namespace
 
 SimulatorRole::SimulatorRole(SimulatorConfig config, SimulateStep simulate, Publish publish)
     : config_(std::move(config)),
@@ -21,6 +26,19 @@ SimulatorRole::SimulatorRole(SimulatorConfig config, SimulateStep simulate, Publ
       publish_(std::move(publish)),
       last_step_(config_.last_step) {
   for (const auto& name : config_.required) peers_[name];
+}
+
+/// RUN comes after the first PROCESS, which tells the others whose message it is.
+void SimulatorRole::announce() {
+  if (announced_) return;
+  announced_ = true;
+  publish_(Channel::Run, config_.run);
+}
+
+/// Answers NEED(-1), which anybody may send.
+void SimulatorRole::publish_run_again(Micros now) {
+  if (now - run_sent_ < kRunAgain) return;
+  run_sent_ = now;
   publish_(Channel::Run, config_.run);
 }
 
@@ -33,6 +51,7 @@ std::string SimulatorRole::state() const {
 // ---- received messages --------------------------------------------------------------------------------------
 
 void SimulatorRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) {
+  announce();
   switch (channel) {
     case Channel::Ack: {
       const auto ack = decode<ack_t>(bytes);
@@ -62,17 +81,12 @@ void SimulatorRole::receive(Channel channel, std::span<const uint8_t> bytes, Mic
 
 void SimulatorRole::on_process(const process_t& process, Micros now) {
   const auto known = peers_.find(process.name);
-  if (known == peers_.end() || (config_.nonce && process.nonce != config_.nonce)) return;
+  if (known == peers_.end()) return;
   Peer& peer = known->second;
   if (process.pid != peer.pid) {
-    if (process.utime <= peer.heard) return;  // a delayed message of a process that was replaced
-    if (peer.former.contains(process.pid)) {
-      fail(kTransport,
-           fmt::format("two live processes are named {}: pid {} and pid {}", process.name, peer.pid,
-                       process.pid),
-           now);
-      return;
-    }
+    if (process.utime <= peer.heard) return;        // a delayed message of a process that was replaced
+    if (peer.former.contains(process.pid)) return;  // two live processes of one name: the newer one counts
+    if (peer.former.size() >= kMaxFormer) peer.former.erase(peer.former.begin());
     if (peer.pid) peer.former.insert(peer.pid);
     peer.pid = process.pid;
     peer.step = process.step;
@@ -94,10 +108,28 @@ void SimulatorRole::on_process(const process_t& process, Micros now) {
   start_if_ready(now);
 }
 
+/// Why a request that has not been executed before is refused before its content is looked at; empty if it is not.
+std::string SimulatorRole::why_not_now(const request_t& request, Micros now) const {
+  if (config_.wall_offset != 0) {
+    const Micros age = now + config_.wall_offset - request.utime;
+    if (std::abs(age) > kMaxRequestAge)
+      return fmt::format("its utime is {:.1f} s {} this host's clock, at most {:g} s are allowed",
+                         std::abs(static_cast<double>(age)) * 1e-6, age > 0 ? "behind" : "ahead of",
+                         kMaxRequestAge * 1e-6);
+  }
+  if (actions_.size() >= kMaxInputs)
+    return fmt::format("busy: {} requests wait for the next step, try again", kMaxInputs);
+  return {};
+}
+
 void SimulatorRole::on_request(const request_t& request, Micros now) {
-  const std::pair<std::string, int64_t> key{request.sender, request.id};
-  if (const auto known = replies_.find(key); known != replies_.end())
-    return publish_(Channel::Reply, known->second);
+  if (request.sender.size() > kMaxSender) {
+    ++late_;
+    return;
+  }
+  const bool urgent = request.action.verb == "estop";
+  ReplyCache::Answer known = replies_.look_up(request.sender, request.id, urgent, now);
+  if (known.reply) return publish_(Channel::Reply, *known.reply);
 
   reply_t reply{};
   reply.run = config_.run_id;
@@ -105,13 +137,19 @@ void SimulatorRole::on_request(const request_t& request, Micros now) {
   reply.id = request.id;
   reply.step = published_ + 1;
   reply.utime = utime(reply.step);
-  reply.reason = execute(request, now);
+  reply.reason = known.refusal;
+  if (reply.reason.empty() && !urgent) reply.reason = why_not_now(request, now);
+  const bool passed = reply.reason.empty();
+  if (passed) reply.reason = execute(request, now);
+  if (reply.reason.size() > kMaxReason) reply.reason.resize(kMaxReason);
   reply.ok = reply.reason.empty();
   if (!reply.ok) {
     reply.step = -1;
     reply.utime = 0;
   }
-  publish_(Channel::Reply, replies_[key] = encode(reply));
+  Bytes bytes = encode(reply);
+  publish_(Channel::Reply, bytes);
+  if (passed) replies_.remember(request.sender, request.id, std::move(bytes), now);
   idle_timer_.reset();
   take_due_steps(now);
 }
@@ -129,7 +167,9 @@ std::string SimulatorRole::execute(const request_t& request, Micros now) {
     on_resume(now);
   } else if (action.verb == "step") {
     if (!paused_) return "the run is not paused";
-    single_steps_ += action.values.empty() ? 1 : std::max<int64_t>(0, static_cast<int64_t>(action.values[0]));
+    const double count = action.values.empty() ? 1 : action.values[0];
+    single_steps_ += static_cast<int64_t>(std::clamp<double>(count, 0, static_cast<double>(kMaxSingleSteps)));
+    single_steps_ = std::min(single_steps_, kMaxSingleSteps);
   } else if (action.verb == "reset") {
     restart_requested_ = config_.no_reset.empty();
     if (!restart_requested_) return config_.no_reset;
@@ -187,6 +227,7 @@ void SimulatorRole::compose(const StepResult& result, int64_t step, robot_state_
 }
 
 void SimulatorRole::tick(Micros now) {
+  announce();
   idle_timer_.update(now);
   switch (phase_) {
     case Phase::Gathering:

@@ -10,19 +10,21 @@
 #include <vector>
 
 #include "lab/signals/signals.h"
+#include "wire/protocol/reply_cache.h"
 #include "wire/protocol/role.h"
 
 namespace lab {
 
 struct SimulatorConfig {
   Bytes run;  ///< the encoded RUN message
-  int64_t run_id = 0, model_hash = 0, nonce = 0;
+  int64_t run_id = 0, model_hash = 0;
   int nq = 0, nv = 0;
-  double dt = 0;           ///< s
-  int64_t last_step = 0;   ///< N
-  int64_t every = 1;       ///< lockstep: a COMMAND is due at every multiple of this
-  int64_t lead = 0;        ///< lockstep: steps that the planner may be ahead
-  Micros wall_offset = 0;  ///< real time: wall clock minus the caller's clock
+  double dt = 0;          ///< s
+  int64_t last_step = 0;  ///< N
+  int64_t every = 1;      ///< lockstep: a COMMAND is due at every multiple of this
+  int64_t lead = 0;       ///< lockstep: steps that the planner may be ahead
+  Micros wall_offset =
+      0;  ///< wall clock minus the caller's clock; 0 = not known: a request's age is not checked
   std::vector<std::string> required = {kPlanner, kController, kLogger};  ///< must be READY before step 0
   std::vector<std::string> listeners = {kLogger};                        ///< the end waits for their last ACK
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
@@ -47,6 +49,12 @@ using SimulateStep =
 /// run. LockstepSimulatorRole and RealtimeSimulatorRole decide when a step is taken.
 class SimulatorRole : public Role {
  public:
+  static constexpr size_t kMaxInputs = 64;              ///< INPUTs for one step; more requests are refused
+  static constexpr Micros kMaxRequestAge = 10'000'000;  ///< us, either way
+  static constexpr Micros kRunAgain = 20'000;           ///< us between two answers to NEED(-1)
+  static constexpr int64_t kMaxSingleSteps = 1'000'000'000;
+  static constexpr size_t kMaxSender = 256, kMaxReason = 1000;  ///< characters
+
   SimulatorRole(SimulatorConfig config, SimulateStep simulate, Publish publish);
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
@@ -85,6 +93,7 @@ class SimulatorRole : public Role {
   using Put = std::function<void(Channel, const Bytes&)>;
   /// Makes the messages of a step's state, extras first. The caller has set digest and command_step in `message`.
   void compose(const StepResult& result, int64_t step, robot_state_t& message, const Put& put);
+  void publish_run_again(Micros now);
   void end(bool aborted, const std::string& reason, Micros now);
   void fail(int exit_code, const std::string& reason, Micros now);
 
@@ -109,21 +118,25 @@ class SimulatorRole : public Role {
     std::string state;
     int32_t pid = 0;
     int64_t heard = INT64_MIN;  ///< newest utime
-    std::set<int32_t> former;   ///< pids that this name had before
+    std::set<int32_t> former;   ///< the last kMaxFormer pids that this name had before
     int64_t step = -1;
     bool ready = false;
   };
+  void announce();
   void on_process(const process_t& process, Micros now);
   void on_request(const request_t& request, Micros now);
+  std::string why_not_now(const request_t& request, Micros now) const;
   std::string execute(const request_t& request, Micros now);
   void accept_input(const request_t& request, const Action& action);
   void start_if_ready(Micros now);
   void finish_if_logs_closed();
   std::string missing_processes() const;
 
+  bool announced_ = false;
+  Micros run_sent_ = INT64_MIN / 2;  ///< the last time that it was asked for
   std::map<std::string, Peer> peers_;
   std::set<std::string> closed_;  ///< listeners whose log is closed
-  std::map<std::pair<std::string, int64_t>, Bytes> replies_;
+  ReplyCache replies_;
   Outcome outcome_, verdict_;
   Micros next_end_ = 0, started_at_ = 0, ended_at_ = 0;
 };

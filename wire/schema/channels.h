@@ -30,33 +30,55 @@ inline constexpr int kChannels = 14;
 /// Which file of a run's folder keeps the channel.
 enum class LogFile : uint8_t { None, Log, Telemetry };
 
+/// Which process may publish on a channel.
+enum class Publisher : uint8_t {
+  Simulator,
+  Planner,
+  Controller,
+  Renderer,
+  Named,    ///< the process that the message names
+  Anybody,  ///< people and tools too
+};
+
 struct ChannelRow {
   Channel id;
   std::string_view name;  ///< on the wire, without prefix
   std::string_view type;  ///< package and struct of the message
   uint32_t max_bytes;     ///< of an encoded message
   LogFile log_file;
+  Publisher publisher;
   bool any_run;               ///< run 0 = "any lab on this bus" is accepted
   std::string_view nq_field;  ///< field that must equal the robot's nq; empty = no rule
   std::string_view nv_field;  ///< the same for nv
 };
 
-inline constexpr std::array<ChannelRow, kChannels> kChannelTable{{
-    {Channel::Run, "RUN", "lab.run_t", 16 << 20, LogFile::Log, false, "", ""},
-    {Channel::Type, "TYPE", "lab.type_t", 256 << 10, LogFile::Log, false, "", ""},
-    {Channel::RobotState, "ROBOT_STATE", "lab.robot_state_t", 64 << 10, LogFile::Log, false, "nq", "nv"},
-    {Channel::Reference, "REFERENCE", "lab.reference_t", 64 << 10, LogFile::Log, false, "nq", "nv"},
-    {Channel::Command, "COMMAND", "lab.command_t", 64 << 10, LogFile::Log, false, "", "nv"},
-    {Channel::Request, "REQUEST", "lab.request_t", 64 << 10, LogFile::None, true, "", ""},
-    {Channel::Reply, "REPLY", "lab.reply_t", 16 << 10, LogFile::None, false, "", ""},
-    {Channel::Input, "INPUT", "lab.input_t", 64 << 10, LogFile::Log, false, "", ""},
-    {Channel::Event, "EVENT", "lab.event_t", 16 << 10, LogFile::Log, false, "", ""},
-    {Channel::End, "END", "lab.end_t", 16 << 10, LogFile::Log, false, "", ""},
-    {Channel::Ack, "ACK", "lab.ack_t", 4 << 10, LogFile::None, false, "", ""},
-    {Channel::Need, "NEED", "lab.need_t", 4 << 10, LogFile::None, true, "", ""},
-    {Channel::Process, "PROCESS", "lab.process_t", 16 << 10, LogFile::Telemetry, true, "", ""},
-    {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, LogFile::Telemetry, false, "", ""},
-}};
+inline constexpr std::array<ChannelRow, kChannels> kChannelTable = [] {
+  using enum LogFile;
+  using enum Publisher;
+  return std::array<ChannelRow, kChannels>{{
+      {Channel::Run, "RUN", "lab.run_t", 16 << 20, Log, Simulator, false, "", ""},
+      {Channel::Type, "TYPE", "lab.type_t", 256 << 10, Log, Simulator, false, "", ""},
+      {Channel::RobotState, "ROBOT_STATE", "lab.robot_state_t", 64 << 10, Log, Simulator, false, "nq", "nv"},
+      {Channel::Reference, "REFERENCE", "lab.reference_t", 64 << 10, Log, Planner, false, "nq", "nv"},
+      {Channel::Command, "COMMAND", "lab.command_t", 64 << 10, Log, Controller, false, "", "nv"},
+      {Channel::Request, "REQUEST", "lab.request_t", 64 << 10, None, Anybody, true, "", ""},
+      {Channel::Reply, "REPLY", "lab.reply_t", 16 << 10, None, Simulator, false, "", ""},
+      {Channel::Input, "INPUT", "lab.input_t", 64 << 10, Log, Simulator, false, "", ""},
+      {Channel::Event, "EVENT", "lab.event_t", 16 << 10, Log, Named, false, "", ""},
+      {Channel::End, "END", "lab.end_t", 16 << 10, Log, Simulator, false, "", ""},
+      {Channel::Ack, "ACK", "lab.ack_t", 4 << 10, None, Named, false, "", ""},
+      {Channel::Need, "NEED", "lab.need_t", 4 << 10, None, Named, true, "", ""},
+      {Channel::Process, "PROCESS", "lab.process_t", 16 << 10, Telemetry, Named, true, "", ""},
+      {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, Telemetry, Renderer, false, "", ""},
+  }};
+}();
+
+/// Bytes of the largest message on any channel of the lab.
+inline constexpr uint32_t kLargestMessage = [] {
+  uint32_t largest = 0;
+  for (const ChannelRow& r : kChannelTable) largest = r.max_bytes > largest ? r.max_bytes : largest;
+  return largest;
+}();
 
 constexpr const ChannelRow& row(Channel channel) { return kChannelTable[static_cast<size_t>(channel)]; }
 

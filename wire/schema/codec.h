@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/util/big_endian.h"
+
 namespace lab {
 
 /// Encodes into `out` (resized; reuse it to save the allocation). Throws std::invalid_argument when a vector's length
@@ -28,6 +30,12 @@ std::vector<uint8_t> encode(const T& message) {
   std::vector<uint8_t> out;
   encode(message, out);
   return out;
+}
+
+/// True if the bytes begin with the fingerprint of this build's T: messages of other versions have another one.
+template <class T>
+bool is_of_type(std::span<const uint8_t> bytes) {
+  return bytes.size() >= 8 && load_big_endian<int64_t>(bytes.data()) == T::getHash();
 }
 
 /// Decodes bytes that a Guard accepted. Throws std::invalid_argument when they are of another type or truncated.

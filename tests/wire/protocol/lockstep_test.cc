@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <lab/ack_t.hpp>
 #include <lab/command_t.hpp>
 #include <lab/event_t.hpp>
 #include <lab/input_t.hpp>
+#include <lab/need_t.hpp>
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 
@@ -276,16 +278,35 @@ TEST(LockstepSimulatorRole, AnotherModelEndsTheRunWithBothHashes) {
             "controller has another model: hash 0000000000000abc, the simulator's is 0000000000000007");
 }
 
-TEST(LockstepSimulatorRole, TwoLiveProcessesOfOneNameEndTheRun) {
+TEST(LockstepSimulatorRole, OfTwoLiveProcessesOfOneNameTheNewerCounts) {
+  Bench bench;
+  bench.process(kPlanner, 1, 0);
+  bench.process(kController, 2, 100);
+  bench.process(kController, 20, 110);        // restarted
+  bench.process(kController, 2, 120, 0xabc);  // the first lives, with another model
+  EXPECT_EQ(bench.simulator->state(), "READY") << "it ends nothing";
+  bench.process(kLogger, 3, 0);
+  EXPECT_EQ(bench.simulator->state(), "RUNNING");
+}
+
+TEST(LockstepSimulatorRole, NeedAndAckOfImpossibleStepsDoNothing) {
   Bench bench;
   bench.all_ready();
-  bench.process(kController, 20, 100);  // restarted
-  bench.process(kController, 2, 90);    // an old word of the first
-  EXPECT_EQ(bench.simulator->state(), "RUNNING");
-  bench.process(kController, 2, 110);  // the first lives
-  ASSERT_EQ(bench.sent.back().first, Channel::End);
-  EXPECT_EQ(decode<end_t>(bench.sent.back().second).reason,
-            "two live processes are named controller: pid 20 and pid 2");
+  const size_t before = bench.sent.size();
+  for (int64_t step : {int64_t{1} << 62, int64_t{-7}, int64_t{300}}) {
+    need_t need{};
+    need.run = 1;
+    need.step = step;
+    need.process = kSimulator;
+    bench.simulator->receive(Channel::Need, encode(need), 0);
+  }
+  EXPECT_EQ(bench.sent.size(), before);
+  ack_t ack{};
+  ack.run = 1;
+  ack.process = kLogger;
+  ack.complete_to = int64_t{1} << 62;  // would be credit for ever
+  bench.simulator->receive(Channel::Ack, encode(ack), 0);
+  EXPECT_EQ(bench.simulator->step(), 0);
 }
 
 TEST(LockstepSimulatorRole, ARefusedCommandIsASafetyStopWhenItIsNotFinite) {

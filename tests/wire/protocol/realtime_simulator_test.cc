@@ -7,6 +7,7 @@
 #include <lab/ack_t.hpp>
 #include <lab/end_t.hpp>
 #include <lab/event_t.hpp>
+#include <lab/input_t.hpp>
 #include <lab/need_t.hpp>
 #include <lab/reply_t.hpp>
 #include <lab/robot_state_t.hpp>
@@ -75,6 +76,7 @@ struct World {
   reply_t request(const std::string& verb, int64_t id, std::vector<double> values = {}) {
     request_t request{};
     request.sender = "me";
+    request.utime = now + 5'000'000;
     request.id = id;
     request.action.verb = verb;
     request.action.n = static_cast<int32_t>(values.size());
@@ -171,8 +173,81 @@ TEST(RealtimeSimulatorRole, RequestsAreExecutedOnceAndInputsCanBeAskedForAgain) 
         return encode(need);
       }(),
       w.now);
+  w.run_to(w.now + kDt);
   EXPECT_EQ(w.count(Channel::Input), 2);
   EXPECT_EQ(w.count(Channel::Run), 2);
+}
+
+// What is kept for processes that restart: the last value of each gain, sent a few at a tick.
+TEST(RealtimeSimulatorRole, LaterInputsReplaceEarlierOnesOfTheirKey) {
+  World w;
+  w.run_to(1'000'000 + 3 * kDt);
+  for (int i = 1; i <= 1000; ++i) {
+    ASSERT_TRUE(w.request("set", i, {static_cast<double>(i)}).ok) << i;
+    w.run_to(w.now + kDt);
+  }
+  const int64_t before = w.count(Channel::Input);
+  need_t need{};
+  need.step = kBeforeStart;
+  need.process = kSimulator;
+  w.simulator->receive(Channel::Need, encode(need), w.now);
+  w.run_to(w.now + 50 * kDt);
+  EXPECT_EQ(w.count(Channel::Input), before + 1);
+  EXPECT_EQ(decode<input_t>(w.last(Channel::Input)).action.values, (std::vector<double>{1000}));
+}
+
+TEST(RealtimeSimulatorRole, RequestsAreBoundedPerStepInAgeAndInLength) {
+  World w;
+  w.run_to(1'000'000 + 3 * kDt);
+  size_t accepted = 0;
+  reply_t reply;
+  for (size_t i = 1; i <= 2 * SimulatorRole::kMaxInputs; ++i) {
+    reply = w.request("set", static_cast<int64_t>(i), {1});
+    accepted += reply.ok;
+  }
+  EXPECT_EQ(accepted, SimulatorRole::kMaxInputs);
+  EXPECT_EQ(reply.reason, "busy: 64 requests wait for the next step, try again");
+  w.run_to(w.now + kDt);
+  request_t old{};
+  old.sender = "old";
+  old.utime = w.now + 5'000'000 - 11'000'000;
+  old.action.verb = "set";
+  w.simulator->receive(Channel::Request, encode(old), w.now);
+  EXPECT_EQ(decode<reply_t>(w.last(Channel::Reply)).reason,
+            "its utime is 11.0 s behind this host's clock, at most 10 s are allowed");
+  old.action.verb = "estop";
+  old.id = 1;
+  w.simulator->receive(Channel::Request, encode(old), w.now);
+  EXPECT_EQ(decode<reply_t>(w.last(Channel::Reply)).reason, "no such action")
+      << "an estop is looked at, however old";
+  const int64_t replies = w.count(Channel::Reply);
+  old.sender = std::string(1000, 'x');
+  w.simulator->receive(Channel::Request, encode(old), w.now);
+  EXPECT_EQ(w.count(Channel::Reply), replies);
+}
+
+TEST(RealtimeSimulatorRole, ManySingleStepsLeaveTimeToListen) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  EXPECT_TRUE(w.request("pause", 1).ok);
+  EXPECT_TRUE(w.request("step", 2, {1e300}).ok);
+  EXPECT_LE(w.simulator->step(), 10 + 2 * RealtimeSimulatorRole::kStepsPerTick);
+  EXPECT_LT(w.simulator->wake(), w.now) << "the rest is due at once, after the waiting messages";
+}
+
+TEST(RealtimeSimulatorRole, StrangersBecomeAtMostTenEventsASecond) {
+  World w;
+  w.run_to(1'000'000 + 10 * kDt);
+  for (int i = 0; i < 5000; ++i) {
+    w.run_to(w.now + kDt);
+    w.simulator->stranger(Channel::Command, i % 2 ? "a" : "b", w.now);
+  }
+  EXPECT_NEAR(static_cast<double>(w.count(Channel::Event)), 2 * 5, 2) << "two strangers, one a second each";
+  for (int i = 0; i < 5000; ++i) {
+    w.run_to(w.now + kDt);
+    w.simulator->stranger(Channel::Command, std::to_string(i), w.now);
+  }
+  EXPECT_NEAR(static_cast<double>(w.count(Channel::Event)), 10 + 10 * 5, 12);
 }
 
 TEST(RealtimeSimulatorRole, AResetEndsTheRunWithAWordAboutIt) {

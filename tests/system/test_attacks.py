@@ -1,0 +1,22 @@
+"""A seeded tenth of the attacks of attacks.py in both clocks (LAB_TEST_ATTACKS=all: every one)."""
+import os
+import random
+
+import attacks
+import pytest
+
+
+@pytest.fixture(scope="module")
+def judge(tmp_path_factory):
+    return attacks.Judge(tmp_path_factory.mktemp("attacks"))
+
+
+def chosen(judge):
+    names = list(attacks.ATTACKS)
+    return names if os.environ.get("LAB_TEST_ATTACKS") == "all" else random.Random(16).sample(names, len(names) // 10)
+
+
+@pytest.mark.parametrize("clock", attacks.DURATION)
+def test_attacks_leave_the_run_unaffected(judge, clock):
+    faults = {name: fault for name in chosen(judge) if (fault := judge.attack(name, clock, seed=1))}
+    assert not faults
