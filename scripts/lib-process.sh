@@ -82,11 +82,13 @@ restart_due() {
   done
 }
 
+# A logger that is told to end gives its log the final name. One that is killed leaves all but the last tenth of a second in
+# its .part, and the next one goes on there.
 restart_asked() { # NAME
   if [ -z "${command[$1]:-}" ] || [ "$stage" -ne 0 ]; then return; fi
   if alive "$1"; then
     asked[$1]=1
-    signal "$1" INT
+    if [ "$1" = logger ]; then signal "$1" KILL; else signal "$1" INT; fi
   else
     due[$1]=$t
   fi

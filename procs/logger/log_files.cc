@@ -40,12 +40,22 @@ std::optional<Whole> whole_steps(const std::string& path, int64_t run) {
   return whole;
 }
 
+/// The telemetry of the process before this one goes on, whether it was killed or has ended; without one it begins.
+std::unique_ptr<LogWriter> continued(const std::string& path) {
+  if (std::filesystem::exists(path)) std::filesystem::rename(path, part_name(path));
+  if (!std::filesystem::exists(part_name(path))) return std::make_unique<LogWriter>(path);
+  LogReader reader(part_name(path));
+  int64_t events = 0;
+  for (LogEvent event; reader.next(event) && reader.skipped().empty();) ++events;
+  return std::make_unique<LogWriter>(path, reader.position(), events);
+}
+
 }  // namespace
 
 LogFiles::LogFiles(const std::string& run_dir) : log_path_(run_dir + "/log.lcm") {
   if (std::filesystem::exists(log_path_))
     throw std::runtime_error(fmt::format("{} is there already; give another --run-dir", log_path_));
-  telemetry_ = std::make_unique<LogWriter>(run_dir + "/telemetry.lcm");
+  telemetry_ = continued(run_dir + "/telemetry.lcm");
 }
 
 LogFiles::~LogFiles() {

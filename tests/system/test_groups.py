@@ -182,11 +182,17 @@ def test_a_python_controller_takes_the_place_by_one_line(runs, tmp_path, clock):
     assert metrics["complete"] and metrics["rms_error"] < 0.05, metrics
 
 
-def test_the_logger_is_killed_in_real_time_without_an_effect(runs, tmp_path):
-    ok(call(runs, "up", "-d", "--set", "logger.every=1", *PATIENT))
+@pytest.mark.parametrize("how", ["killed", "restarted"])
+@pytest.mark.parametrize("every", [1, 10])
+def test_a_new_logger_goes_on_in_real_time_without_an_effect(runs, tmp_path, every, how):
+    ok(call(runs, "up", "-d", "--set", f"logger.every={every}", *PATIENT))
     ok(call(runs, "wait", "--ready"))
     folder = runs / "live"
-    os.kill(state(folder)["logger"][1], signal.SIGKILL)
+    lab.until(lambda: any(c == "ROBOT_STATE" for c, _ in lab.events(folder / "log.lcm.part")), "states in the log")
+    if how == "killed":
+        os.kill(state(folder)["logger"][1], signal.SIGKILL)
+    else:
+        ok(call(runs, "restart", "logger"))
     left = list(lab.events(folder / "log.lcm.part"))  # readable as it was left
     assert left[0][0] == "RUN"
     lab.until(lambda: state(folder)["logger"][2] == 1 and state(folder)["logger"][0] == "running", "the logger again")
@@ -197,6 +203,8 @@ def test_the_logger_is_killed_in_real_time_without_an_effect(runs, tmp_path):
     assert "holding" not in happened, happened
     steps = [lab.header(d)[2] for c, d in lab.events(folder / "log.lcm") if c == "ROBOT_STATE"]
     assert steps == sorted(steps) and steps[-1] > 100
+    telemetry = [types.process_t.decode(d) for c, d in lab.events(folder / "telemetry.lcm") if c == "PROCESS"]
+    assert len({p.pid for p in telemetry if p.name == "logger"}) == 2, "of both loggers"
 
 
 @pytest.mark.parametrize("mode", ["frozen", "replay", "nan", "over"])

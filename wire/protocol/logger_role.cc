@@ -77,7 +77,7 @@ void LoggerRole::on_run(std::span<const uint8_t> bytes) {
     return fail(kBadConfig, error.what());
   }
   const bool resumed = log_.open(bytes, message, setup, types_);
-  if (resumed && config_.every != 1)
+  if (resumed && config_.every != 1 && !setup.realtime)
     return fail(kBadConfig, "cannot go on with a log of which only some steps were written");
   if (setup.realtime)
     policy_ = std::make_unique<RealtimeLogPolicy>(log_, config_.every);

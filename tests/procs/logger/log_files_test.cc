@@ -1,0 +1,110 @@
+// The files of the logger: a restarted one goes on where the one before ended, and nothing that is whole is lost.
+#include "procs/logger/log_files.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <lab/robot_state_t.hpp>
+
+#include "wire/log/log_reader.h"
+#include "wire/log/log_writer.h"
+#include "wire/schema/codec.h"
+
+namespace lab::logger {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<uint8_t> state(int64_t run, int64_t step) {
+  robot_state_t message{};
+  message.run = run;
+  message.step = step;
+  return encode(message);
+}
+
+class LogFilesTest : public testing::Test {
+ protected:
+  LogFilesTest() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~LogFilesTest() override { fs::remove_all(folder_); }
+
+  /// A logger that does this and is killed: nothing is closed, no destructor runs.
+  static void killed(const std::function<void()>& work) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      work();
+      _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0);
+  }
+  void die_after(int64_t run, int64_t first, int64_t last) const {
+    killed([&] {
+      LogFiles files(folder_);
+      files.open(run, [](Channel, std::span<const uint8_t>) {});
+      for (int64_t step = first; step <= last; ++step)
+        files.append(Channel::RobotState, state(run, step), step);
+      files.flush();
+      _exit(0);
+    });
+  }
+  /// The steps that a new logger finds of this run.
+  std::vector<int64_t> steps_of(int64_t run) {
+    LogFiles files(folder_);
+    std::vector<int64_t> steps;
+    files.open(run, [&](Channel, std::span<const uint8_t> bytes) {
+      steps.push_back(decode<robot_state_t>(bytes).step);
+    });
+    return steps;
+  }
+  const std::string folder_ = testing::TempDir() + "log_files_" + std::to_string(getpid());
+};
+
+TEST_F(LogFilesTest, AFinishedLogIsNeverOverwritten) {
+  std::ofstream(folder_ + "/log.lcm") << "a finished log";
+  EXPECT_THROW(LogFiles files(folder_), std::runtime_error);
+  std::ifstream in(folder_ + "/log.lcm");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "a finished log");
+}
+
+// the last step may be cut off: only what follows a step proves it whole
+TEST_F(LogFilesTest, ALogOfTheSameRunGoesOnAfterItsWholeSteps) {
+  die_after(7, 0, 5);
+  EXPECT_EQ(steps_of(7), (std::vector<int64_t>{0, 1, 2, 3, 4}));
+}
+
+TEST_F(LogFilesTest, ALogOfAnotherRunIsNotContinued) {
+  die_after(7, 0, 5);
+  EXPECT_TRUE(steps_of(8).empty());
+  EXPECT_EQ(fs::file_size(folder_ + "/log.lcm.part"), 0u) << "the new run begins with an empty log";
+}
+
+TEST_F(LogFilesTest, TelemetryGoesOnAfterAKillAndAfterAnEnd) {
+  killed([&] {
+    LogFiles files(folder_);
+    files.telemetry(Channel::RobotState, std::vector<uint8_t>(5000, 1));  // enough to be written at once
+    _exit(0);
+  });
+  for (uint8_t byte : {2, 3})
+    LogFiles(folder_).telemetry(Channel::RobotState, std::vector<uint8_t>(10, byte));
+  LogReader reader(folder_ + "/telemetry.lcm");
+  std::vector<uint8_t> seen;
+  std::vector<int64_t> numbers;
+  for (LogEvent event; reader.next(event);) {
+    seen.push_back(event.data[0]);
+    numbers.push_back(event.number);
+  }
+  EXPECT_EQ(seen, (std::vector<uint8_t>{1, 2, 3}));
+  EXPECT_EQ(numbers, (std::vector<int64_t>{0, 1, 2}));
+}
+
+}  // namespace
+}  // namespace lab::logger
