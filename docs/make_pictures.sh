@@ -2,7 +2,7 @@
 # Draws the pictures of docs/experiments.md again, from runs of today's programs: a film strip of every experiment, and the
 # errors of some of them side by side, as compare pages draw them. Pillow (PyPI) makes the strips small: 96 colours are enough.
 #
-# usage: docs/make_pictures.sh [NAME..]     (experiments; default: all of them, and the plots. LAB_BUILD: whose programs)
+# usage: docs/make_pictures.sh [NAME..]     (experiments, or `plots`; default: all. LAB_BUILD: whose programs)
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 lab=$root/scripts/lab
@@ -70,12 +70,16 @@ IN
   echo "$pictures/$name.svg: $(stat -c %s "$pictures/$name.svg") bytes"
 }
 
+plots() {
+  plot five_reaches reach_ct reach_pd reach_pd_gravity reach_wrong_gravity reach_wrong_masses
+  plot rings cubic_rings quintic_rings
+}
+
 if [ $# -gt 0 ]; then
-  for name; do strip "$name"; done
+  for name; do if [ "$name" = plots ]; then plots; else strip "$name"; fi; done
   exit
 fi
 for file in "$root"/experiments/*.yaml; do
   grep -q '^ *clock: realtime' "$file" || strip "$(basename "$file" .yaml)"
 done
-plot five_reaches reach_ct reach_pd reach_pd_gravity reach_wrong_gravity reach_wrong_masses
-plot rings cubic_rings quintic_rings
+plots
