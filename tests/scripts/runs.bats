@@ -100,6 +100,67 @@ assert len(runs) == 5 and runs["killed"]["verdict"] == "alive" and runs["good"][
   exec {lock}<&-
 }
 
+# A state file is a text that anybody can write into a folder of his own, and old ones name pids that the kernel has given away.
+forge_state() { # PID BEGAN: a folder that looks like a running lab whose supervisor is that process
+  make_run forged
+  mkdir -p "$LAB_RUNS/forged/processes"
+  mkfifo "$LAB_RUNS/forged/processes/control"
+  printf 'supervisor %s %s\nisolation none\nurl udpm://239.255.76.67:7667\nphase running\n' "$1" "$2" >"$LAB_RUNS/forged/processes/state"
+  exec {held}<"$LAB_RUNS/forged"
+  flock -s "$held"
+}
+
+@test "down signals nobody because of a forged folder, and ends at once" {
+  bash -c "$nap; : $mark" 3>&- &
+  stranger=$!
+  read -r up _ </proc/uptime
+  forge_state "$stranger" "$((10#${up//./} * 10 + 1000))"
+  run timeout 10 "$LAB" down --lab "$LAB_RUNS/forged" --timeout 1
+  [ "$status" -eq 2 ]
+  [[ $output == *"is not running"* ]]
+  kill -0 "$stranger"
+  run "$LAB" down --all
+  [ "$status" -eq 0 ]
+  kill -0 "$stranger"
+}
+
+@test "a supervisor counts only when it is one, of this folder, and as old as the state says" {
+  export LAB_RUN_DIR=$LAB_RUNS/real
+  mkdir -p "$LAB_RUNS/real/processes"
+  touch "$LAB_RUNS/real/experiment.yaml"
+  group=$LAB_RUNS/real/processes
+  supervise_in_background "simulator: $nap; : $mark"
+  eventually 10 test -s "$group/state"
+  lives() { bash -c '. "$0/lib.sh" && supervisor_lives "$1"' "$ROOT/scripts" "$LAB_RUNS/real"; }
+  lives
+  cp "$group/state" "$BATS_TEST_TMPDIR/state"
+  sed -i 's/^supervisor \([0-9]*\) .*/supervisor \1 5/' "$group/state" # the pid was given away since
+  ! lives || false
+  cp "$BATS_TEST_TMPDIR/state" "$group/state"
+  make_run other
+  mkdir -p "$LAB_RUNS/other/processes"
+  cp "$group/state" "$LAB_RUNS/other/processes/state" # another lab's supervisor
+  run bash -c '. "$0/lib.sh" && supervisor_lives "$1"' "$ROOT/scripts" "$LAB_RUNS/other"
+  [ "$status" -ne 0 ]
+  echo STOP >"$group/control"
+  code_of $boss
+  ! lives || false
+}
+
+# One lab for each port and prefix, whoever started it.
+@test "bus-lock: the first free port, and a refusal that names the owner" {
+  lock() { "$ROOT/scripts/bus-lock" "$@" -- bash -c 'echo "$LAB_BUS_PORT" >"$0"; read -rt 20 <> <(:); : '"$mark" "$BATS_TEST_TMPDIR/port$RANDOM"; }
+  lock "" 46501 46502 3>&- &
+  eventually 10 grep -q "@lcmlab:46501:" /proc/net/unix
+  run "$ROOT/scripts/bus-lock" "" 46501 46502 -- bash -c 'echo "$LAB_BUS_PORT"'
+  [ "$output" = 46502 ]
+  run "$ROOT/scripts/bus-lock" LEFT_ 46501 -- bash -c 'echo "$LAB_BUS_PORT"'
+  [ "$output" = 46501 ]
+  run "$ROOT/scripts/bus-lock" "" 46501 -- true
+  [ "$status" -eq 2 ]
+  [[ $output == *"port 46501 has a lab already, of $(id -un), pid "* ]]
+}
+
 @test "robots: a package with another hash is refused and leaves nothing" {
   echo "not a robot" >"$BATS_TEST_TMPDIR/fake.whl"
   LAB_ROBOTS_WHEEL=$BATS_TEST_TMPDIR/fake.whl run "$LAB" robots
