@@ -96,6 +96,50 @@ def test_four_labs_at_once_do_not_meet(runs, tmp_path):
         assert log_of(runs / name) == alone
 
 
+def goals(folder, types):
+    """The goals in a run's log, by their first value."""
+    actions = [types.input_t.decode(d).action for c, d in lab.events(folder / "log.lcm") if c == "INPUT"]
+    return [action.values[0] for action in actions if action.verb == "goal"]
+
+
+@pytest.mark.parametrize("prefix", ["", "LEFT_"])
+def test_two_labs_on_one_host_each_hear_their_own(runs, tmp_path, prefix):
+    """As two checkouts or two users start them, or two robots on one bus: every request is in its own lab's log."""
+    other = tmp_path / "other"
+    try:
+        ok(call(runs, "up", "-d", *PATIENT))
+        ok(call(other, "up", "-d", *PATIENT, *(["--prefix", prefix] if prefix else [])))
+        first, second = ((folder / "live" / "processes" / "state").read_text().split("\nurl ")[1].split()[0] for folder in (runs, other))
+        assert (first == second) == bool(prefix), "a port of its own, or the same with a prefix"
+        for folder in (runs, other):
+            ok(call(folder, "wait", "--ready"))
+        for i in range(1, 6):
+            ok(call(runs, "goal", str(0.01 * i), "0", "0", "0", "0", "0"))
+            ok(call(other, "goal", str(-0.01 * i), "0", "0", "0", "0", "0"))
+        ok(call(other, "estop"))
+        [mine] = json.loads(ok(call(runs, "ps", "--json")))
+        assert {p["state"] for p in mine["processes"]} == {"RUNNING"}, "the other's estop"
+        ok(call(other, "down"))
+        [mine] = json.loads(ok(call(runs, "ps", "--json")))
+        assert {p["state"] for p in mine["processes"]} == {"RUNNING"}, "the other's end"
+        ok(call(runs, "down"))
+    finally:
+        call(other, "down", "--all", "--timeout", "5")
+    types = lab.generated_types(tmp_path / "types")
+    assert goals(runs / "live", types) == [0.01, 0.02, 0.03, 0.04, 0.05]
+    assert goals(other / "live", types) == [-0.01, -0.02, -0.03, -0.04, -0.05]
+
+
+def test_a_bus_that_is_named_is_taken_or_refused(runs, tmp_path):
+    ok(call(runs, "up", "-d", *PATIENT))
+    url = (runs / "live" / "processes" / "state").read_text().split("\nurl ")[1].split()[0]
+    other = tmp_path / "other"
+    done = subprocess.run([lab.LAB, "up", "-d"], env=lab.environment(LAB_RUNS=str(other), LCM_DEFAULT_URL=url), capture_output=True,
+                          text=True, timeout=lab.DEADLINE, stdin=subprocess.DEVNULL)
+    assert done.returncode == 2 and "has a lab already, of " in done.stderr, done.stderr
+    assert not list(other.glob("*")), "nothing is left of it"
+
+
 def test_one_that_is_frozen_before_ready_is_named(runs, tmp_path):
     file = lab.experiment(tmp_path)
     stopped = f"bash -c 'kill -STOP $$; exec {lab.BUILD}/bin/lab-controller'"
