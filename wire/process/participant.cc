@@ -172,7 +172,8 @@ void Participant::note_stranger(Channel channel, const std::string& reason, Role
   last_rejected_ = fmt::format("{}: {}", row(channel).name, reason);
   const Micros now = monotonic_now();
   role.stranger(channel, reason, now);
-  if (now < next_complaint_) return;
+  // before the first step, a process of our own may speak before the supervisor has recorded it
+  if (role.step() < 0 || now < next_complaint_) return;
   next_complaint_ = now + 1'000'000;
   fmt::print(stderr, "lab-{}: ignored {}\n", options_.name, last_rejected_);
 }

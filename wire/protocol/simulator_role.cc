@@ -174,6 +174,10 @@ std::string SimulatorRole::execute(const request_t& request, Micros now) {
     restart_requested_ = config_.no_reset.empty();
     if (!restart_requested_) return config_.no_reset;
     on_reset(request.sender);
+  } else if (action.verb == "estop" &&
+             std::any_of(actions_.begin(), actions_.end(),
+                         [](const Action& waiting) { return waiting.verb == "estop"; })) {
+    // one is enough for the next step: a flood of them stays bounded
   } else {
     if (std::string why = config_.why_not ? config_.why_not(action) : ""; !why.empty()) return why;
     accept_input(request, action);
