@@ -64,29 +64,6 @@ std::string run_dir() {
   return text ? text : "";
 }
 
-/// Messages about a step that a process cannot know more than kWindow steps before the simulator publishes it.
-bool bounded_by_state(Channel channel) {
-  switch (channel) {
-    case Channel::Reference:
-    case Channel::Command:
-    case Channel::Input:
-    case Channel::Event:
-    case Channel::Ack:
-    case Channel::Need:
-      return true;
-    case Channel::Run:
-    case Channel::Type:
-    case Channel::RobotState:
-    case Channel::Request:
-    case Channel::Reply:
-    case Channel::End:
-    case Channel::Process:
-    case Channel::Frame:
-      return false;
-  }
-  return false;
-}
-
 /// The process that a message of a channel with Publisher::Named comes from.
 std::string named_publisher(Channel channel, std::span<const uint8_t> bytes) {
   switch (channel) {
@@ -223,7 +200,7 @@ void Participant::receive(Role& role, const Datagram& datagram) {
   }
   if (!is_attributed(*channel, datagram, role) || !wanted) return;
   const int64_t newest = std::max(newest_state_, options_.name == kSimulator ? role.step() : -1);
-  if (bounded_by_state(*channel) && newest >= 0 && verdict.head.step > newest + kWindow) {
+  if (row(*channel).near_state && newest >= 0 && verdict.head.step > newest + kWindow) {
     ++rejected_;
     last_rejected_ =
         fmt::format("{}: step {}, ROBOT_STATE is at {}", row(*channel).name, verdict.head.step, newest);

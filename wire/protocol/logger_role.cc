@@ -31,41 +31,29 @@ void LoggerRole::fail(int exit_code, const std::string& reason) {
 void LoggerRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) try {
   if (outcome_.ended) return;
   idle_timer_.reset();
-  switch (channel) {
-    case Channel::Run:
-      if (!policy_) on_run(bytes);
-      break;
-    case Channel::Process:
-      if (!policy_) retry_timer_.trigger(now);  // RUN may have come before the simulator's address was known
-      [[fallthrough]];
-    case Channel::Frame:
-      sink_.telemetry(channel, bytes);
-      break;
-    case Channel::RobotState:
-    case Channel::Reference:
-    case Channel::Command:
-    case Channel::Input:
-    case Channel::Event:
-      if (policy_ && !log_.closed()) policy_->receive(channel, bytes, now);
-      break;
-    case Channel::End:
-      if (!policy_) break;
-      if (!log_.end()) {
-        log_.set_end(bytes);
-        policy_->on_end(now);
-      } else if (log_.closed()) {
-        log_.send_ack();
-      }
-      break;
-    case Channel::Type:  // written from RUN's own schema
-    case Channel::Request:
-    case Channel::Reply:
-    case Channel::Ack:
-    case Channel::Need:
-      break;
+  if (channel == Channel::Run) {
+    if (!policy_) on_run(bytes);
+  } else if (channel == Channel::End) {
+    on_end(bytes, now);
+  } else if (row(channel).log_file == LogFile::Telemetry) {
+    // RUN may have come before the simulator's address was known
+    if (channel == Channel::Process && !policy_) retry_timer_.trigger(now);
+    sink_.telemetry(channel, bytes);
+  } else if (row(channel).log_file == LogFile::Log && channel != Channel::Type) {  // TYPE is written with RUN
+    if (policy_ && !log_.closed()) policy_->receive(channel, bytes, now);
   }
 } catch (const std::exception& error) {
   fail(kDied, error.what());
+}
+
+void LoggerRole::on_end(std::span<const uint8_t> bytes, Micros now) {
+  if (!policy_) return;
+  if (!log_.end()) {
+    log_.set_end(bytes);
+    policy_->on_end(now);
+  } else if (log_.closed()) {
+    log_.send_ack();
+  }
 }
 
 void LoggerRole::on_run(std::span<const uint8_t> bytes) {

@@ -39,6 +39,7 @@ class LoggerRole : public Role {
 
  private:
   void on_run(std::span<const uint8_t> bytes);
+  void on_end(std::span<const uint8_t> bytes, Micros now);
   void fail(int exit_code, const std::string& reason);
 
   LoggerConfig config_;

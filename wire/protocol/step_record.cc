@@ -53,18 +53,9 @@ bool StepRecord::store(Channel channel, std::span<const uint8_t> bytes, bool rep
       const auto event = decode<event_t>(bytes);
       return assign(events[{event.process, event.index}], bytes, replace);
     }
-    case Channel::Run:
-    case Channel::Type:
-    case Channel::Request:
-    case Channel::Reply:
-    case Channel::End:
-    case Channel::Ack:
-    case Channel::Need:
-    case Channel::Process:
-    case Channel::Frame:
+    default:
       return false;
   }
-  return false;
 }
 
 const Bytes* StepRecord::main_of(const std::string& process) const {

@@ -47,29 +47,32 @@ struct ChannelRow {
   uint32_t max_bytes;     ///< of an encoded message
   LogFile log_file;
   Publisher publisher;
+  bool near_state;            ///< its step is at most kWindow ahead of the last ROBOT_STATE
   bool any_run;               ///< run 0 = "any lab on this bus" is accepted
   std::string_view nq_field;  ///< field that must equal the robot's nq; empty = no rule
   std::string_view nv_field;  ///< the same for nv
 };
 
+// A REQUEST is shorter than the INPUT that it becomes may be.
 inline constexpr std::array<ChannelRow, kChannels> kChannelTable = [] {
   using enum LogFile;
   using enum Publisher;
   return std::array<ChannelRow, kChannels>{{
-      {Channel::Run, "RUN", "lab.run_t", 16 << 20, Log, Simulator, false, "", ""},
-      {Channel::Type, "TYPE", "lab.type_t", 256 << 10, Log, Simulator, false, "", ""},
-      {Channel::RobotState, "ROBOT_STATE", "lab.robot_state_t", 64 << 10, Log, Simulator, false, "nq", "nv"},
-      {Channel::Reference, "REFERENCE", "lab.reference_t", 64 << 10, Log, Planner, false, "nq", "nv"},
-      {Channel::Command, "COMMAND", "lab.command_t", 64 << 10, Log, Controller, false, "", "nv"},
-      {Channel::Request, "REQUEST", "lab.request_t", 64 << 10, None, Anybody, true, "", ""},
-      {Channel::Reply, "REPLY", "lab.reply_t", 16 << 10, None, Simulator, false, "", ""},
-      {Channel::Input, "INPUT", "lab.input_t", 64 << 10, Log, Simulator, false, "", ""},
-      {Channel::Event, "EVENT", "lab.event_t", 16 << 10, Log, Named, false, "", ""},
-      {Channel::End, "END", "lab.end_t", 16 << 10, Log, Simulator, false, "", ""},
-      {Channel::Ack, "ACK", "lab.ack_t", 4 << 10, None, Named, false, "", ""},
-      {Channel::Need, "NEED", "lab.need_t", 4 << 10, None, Named, true, "", ""},
-      {Channel::Process, "PROCESS", "lab.process_t", 16 << 10, Telemetry, Named, true, "", ""},
-      {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, Telemetry, Renderer, false, "", ""},
+      {Channel::Run, "RUN", "lab.run_t", 16 << 20, Log, Simulator, false, false, "", ""},
+      {Channel::Type, "TYPE", "lab.type_t", 256 << 10, Log, Simulator, false, false, "", ""},
+      {Channel::RobotState, "ROBOT_STATE", "lab.robot_state_t", 64 << 10, Log, Simulator, false, false, "nq",
+       "nv"},
+      {Channel::Reference, "REFERENCE", "lab.reference_t", 64 << 10, Log, Planner, true, false, "nq", "nv"},
+      {Channel::Command, "COMMAND", "lab.command_t", 64 << 10, Log, Controller, true, false, "", "nv"},
+      {Channel::Request, "REQUEST", "lab.request_t", 32 << 10, None, Anybody, false, true, "", ""},
+      {Channel::Reply, "REPLY", "lab.reply_t", 16 << 10, None, Simulator, false, false, "", ""},
+      {Channel::Input, "INPUT", "lab.input_t", 64 << 10, Log, Simulator, true, false, "", ""},
+      {Channel::Event, "EVENT", "lab.event_t", 16 << 10, Log, Named, true, false, "", ""},
+      {Channel::End, "END", "lab.end_t", 16 << 10, Log, Simulator, false, false, "", ""},
+      {Channel::Ack, "ACK", "lab.ack_t", 4 << 10, None, Named, true, false, "", ""},
+      {Channel::Need, "NEED", "lab.need_t", 4 << 10, None, Named, true, true, "", ""},
+      {Channel::Process, "PROCESS", "lab.process_t", 16 << 10, Telemetry, Named, false, true, "", ""},
+      {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, Telemetry, Renderer, false, false, "", ""},
   }};
 }();
 

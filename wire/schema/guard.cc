@@ -10,6 +10,7 @@
 namespace lab {
 namespace {
 
+constexpr size_t kMaxReason = 500;
 constexpr size_t kHeadBytes = 32;  // fingerprint, utime, run, step
 
 }  // namespace
@@ -56,7 +57,7 @@ Verdict Guard::check(Channel channel, std::span<const uint8_t> bytes) const {
   Verdict verdict;
   const auto refuse = [&](const std::string& why) {
     verdict.kind = Verdict::Refused;
-    verdict.reason = std::string(r.name) + ": " + why;
+    verdict.reason = (std::string(r.name) + ": " + why).substr(0, kMaxReason);  // `why` may quote the message
     return verdict;
   };
   if (bytes.size() > r.max_bytes) {

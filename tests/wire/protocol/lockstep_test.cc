@@ -258,6 +258,20 @@ struct Bench {
   }
 };
 
+// A channel whose row says that it is logged, and that no record of a step keeps, would be missing in log and digest.
+TEST(StepRecord, KeepsEveryLoggedChannelOfAStep) {
+  for (const ChannelRow& channel : kChannelTable) {
+    if (channel.log_file != LogFile::Log || channel.id == Channel::Run || channel.id == Channel::Type ||
+        channel.id == Channel::End)
+      continue;
+    StepRecord record;
+    const Bytes bytes = channel.id == Channel::Input   ? encode(input_t{})
+                        : channel.id == Channel::Event ? encode(event_t{})
+                                                       : Bytes(40);
+    EXPECT_TRUE(record.store(channel.id, bytes, false)) << channel.name;
+  }
+}
+
 TEST(LockstepSimulatorRole, WaitsForEveryRequiredProcess) {
   Bench bench;
   bench.process(kPlanner, 1, 0);

@@ -15,6 +15,7 @@
 
 #include "wire/protocol/loop_bins.h"
 #include "wire/schema/codec.h"
+#include "wire/schema/guard.h"
 
 namespace lab::test {
 namespace {
@@ -38,7 +39,7 @@ struct World {
     config.wall_offset = 5'000'000;
     config.no_reset = no_reset;
     config.why_not = [](const Action& action) {
-      return action.verb == "set" || action.verb == "estop" ? "" : "no such action";
+      return action.verb == "set" || action.verb == "estop" ? std::string() : "no such action" + action.text;
     };
     simulator = std::make_unique<RealtimeSimulatorRole>(
         config,
@@ -240,6 +241,28 @@ TEST(RealtimeSimulatorRole, AnEstopIsTakenWhenTheStepIsFullAndAFloodOfThemIsOne)
     ASSERT_TRUE(decode<reply_t>(w.last(Channel::Reply)).ok);
   }
   EXPECT_EQ(w.count(Channel::Input), before + 1);
+}
+
+// the longest REQUEST that the guard lets through, refused and accepted: REPLY and INPUT must pass the guard too
+TEST(RealtimeSimulatorRole, AnswersToTheLongestRequestCanBeSent) {
+  World w;
+  w.run_to(1'000'000 + 3 * kDt);
+  const Guard guard;
+  int64_t id = 0;
+  for (const char* verb : {"set", "fly"}) {
+    request_t request{};
+    request.sender = std::string(SimulatorRole::kMaxSender, 's');
+    request.utime = w.now + 5'000'000;
+    request.id = ++id;
+    request.action.verb = verb;
+    Bytes bytes = encode(request);
+    request.action.text = std::string(row(Channel::Request).max_bytes - bytes.size(), 't');
+    bytes = encode(request);
+    ASSERT_TRUE(guard.check(Channel::Request, bytes));
+    w.simulator->receive(Channel::Request, bytes, w.now);
+    EXPECT_TRUE(guard.check(Channel::Reply, w.last(Channel::Reply)));
+  }
+  EXPECT_TRUE(guard.check(Channel::Input, w.last(Channel::Input)));
 }
 
 TEST(RealtimeSimulatorRole, ManySingleStepsLeaveTimeToListen) {
