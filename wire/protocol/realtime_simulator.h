@@ -49,7 +49,7 @@ class RealtimeSimulatorRole : public SimulatorRole {
   void on_reset(const std::string& sender) override;
   void begin(Micros now) override;
   void take_due_steps(Micros now) override;
-  Micros next_wake() const override { return paused_ && single_steps_ > 0 ? INT64_MIN : due(published_ + 1); }
+  Micros next_wake() const override { return paused_ && single_steps_ > 0 ? 0 : due(published_ + 1); }
   int64_t utime(int64_t step) const override { return due(step) + config_.wall_offset; }
 
   Micros due(int64_t step) const {
