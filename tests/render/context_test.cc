@@ -42,7 +42,7 @@ TEST(Context, OsmesaAndEglDrawTheSamePicture) {
 }
 
 TEST(Context, WithoutOsmesaEglDraws) {
-  const std::string hidden = "LD_LIBRARY_PATH='" LAB_NO_OSMESA "' ";
+  const std::string hidden = "LD_LIBRARY_PATH='" + lab::build_path("tests/render/no_osmesa") + "' ";
   const Answer any = run(hidden + "LAB_GL="), egl = run("LAB_GL=egl"), none = run(hidden + "LAB_GL=osmesa");
   EXPECT_EQ(any.status, 0);
   EXPECT_EQ(any.text, egl.text);
