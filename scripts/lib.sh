@@ -172,8 +172,16 @@ point_latest() { ln -sfn "$(basename "$dir")" "$LAB_RUNS/.latest.$$" && mv -T "$
 
 # A run holds a lock on its own folder while it runs: there is no lock file, and the kernel always releases the lock.
 # (The check takes a shared lock for a moment, so that two checks at once do not fail each other.)
-# Anybody who may read the folder can hold such a lock too: where there is a supervisor, it must live as well.
-run_is_alive() { ! flock -sn "$1" true && { [ ! -f "$1/processes/state" ] || supervisor_lives "$1"; }; }
+# Anybody who may read the folder can hold such a lock too: where there is a supervisor, it must live as well, or have ended so
+# lately that the shell around it may still write the manifest.
+run_is_alive() {
+  ! flock -sn "$1" true || return 1
+  [ -f "$1/processes/state" ] || return 0
+  supervisor_lives "$1" || has_just_ended "$1"
+}
+has_just_ended() {
+  grep -q '^phase ended' "$1/processes/state" 2>/dev/null && [ $((EPOCHSECONDS - $(stat -c %Y "$1/processes/state"))) -lt 10 ]
+}
 
 # supervisor_lives DIR: sets supervisor to the pid in the run's state; fails unless that process is the run's supervisor. A
 # state file can be old, or anybody's: its process must be of the folder's owner, run supervise on this folder, and be as
