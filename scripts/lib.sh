@@ -187,9 +187,10 @@ has_just_ended() {
 # state file can be old, or anybody's: its process must be of the folder's owner, run supervise on this folder, and be as
 # old as the state says (the kernel may have given the pid to another process since).
 supervisor_lives() {
-  local key began words stat started
-  supervisor=''
-  { while read -r key words; do [ "$key" = supervisor ] && read -r supervisor began <<<"$words"; done <"$1/processes/state"; } 2>/dev/null
+  local began stat started lab_processes
+  local -A lab_state # read_state fills these instead of the caller's
+  read_state "$1"
+  read -r supervisor began <<<"${lab_state[supervisor]:-}"
   [[ ${supervisor:-} =~ ^[1-9][0-9]*$ && ${began:-} =~ ^[0-9]+$ ]] || return 1
   { read -r stat <"/proc/$supervisor/stat"; } 2>/dev/null || return 1
   read -ra stat <<<"${stat##*) }"

@@ -110,7 +110,7 @@ def with_run(data, run):
 
 
 def step_of(data):
-    return struct.unpack(">q", data[24:32])[0]
+    return lab.header(data)[2]
 
 
 def with_noise(data, rng, after=36):
@@ -155,7 +155,7 @@ def message(bus, channel):
     if channel in bus.seen:
         return bus.seen[channel]
     state = bus.copy("ROBOT_STATE")
-    return with_step(with_run(bus.forged[channel], struct.unpack(">q", state[16:24])[0]), step_of(state)) \
+    return with_step(with_run(bus.forged[channel], lab.header(state)[1]), step_of(state)) \
         if state and channel in bus.forged else None
 
 

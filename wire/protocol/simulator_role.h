@@ -118,7 +118,7 @@ class SimulatorRole : public Role {
     std::string state;
     int32_t pid = 0;
     int64_t heard = INT64_MIN;  ///< newest utime
-    std::set<int32_t> former;   ///< the last kMaxFormer pids that this name had before
+    std::set<int32_t> former;   ///< pids that this name had before, at most kMaxFormer
     int64_t step = -1;
     bool ready = false;
   };

@@ -20,7 +20,7 @@ struct StepRecord {
 
   /// Empties the record for another step; keeps the memory.
   void clear(int64_t new_step);
-  /// Files a message of this step. An earlier one with the same key stays, unless `replace`.
+  /// Stores a message of this step. An earlier one with the same key stays, unless `replace`.
   /// Returns false if a step has no such message or the key is taken.
   bool store(Channel channel, std::span<const uint8_t> bytes, bool replace);
   /// True when the process' main message is here with all the extras that it counts.
