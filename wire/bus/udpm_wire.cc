@@ -21,6 +21,29 @@ bool take_channel(std::span<const uint8_t>& rest, std::string_view& channel) {
   return true;
 }
 
+bool by_offset(const Assembly::Part& a, const Assembly::Part& b) {
+  return std::pair(a.offset, a.size) < std::pair(b.offset, b.size);
+}
+
+// Brings the parts into the order of their offsets; false unless they fill the message without gap or overlap.
+bool put_in_order(Assembly& a) {
+  const bool in_order = std::is_sorted(a.arrived.begin(), a.arrived.end(), by_offset);
+  std::sort(a.arrived.begin(), a.arrived.end(), by_offset);
+  uint32_t end = 0;
+  for (const Assembly::Part& part : a.arrived) {
+    if (part.offset != end) return false;
+    end += part.size;
+  }
+  if (end != a.size) return false;
+  if (in_order) return true;
+  std::vector<uint8_t> ordered;
+  ordered.reserve(a.size);
+  for (const Assembly::Part& part : a.arrived)
+    ordered.insert(ordered.end(), a.data.begin() + part.at, a.data.begin() + part.at + part.size);
+  a.data = std::move(ordered);
+  return true;
+}
+
 }  // namespace
 
 std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) {
@@ -46,33 +69,6 @@ std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) {
   if (packet.offset > packet.size || packet.data.size() > packet.size - packet.offset) return std::nullopt;
   return packet;
 }
-
-namespace {
-
-bool by_offset(const Assembly::Part& a, const Assembly::Part& b) {
-  return std::pair(a.offset, a.size) < std::pair(b.offset, b.size);
-}
-
-// Brings the parts into the order of their offsets; false unless they fill the message without gap or overlap.
-bool put_in_order(Assembly& a) {
-  const bool in_order = std::is_sorted(a.arrived.begin(), a.arrived.end(), by_offset);
-  std::sort(a.arrived.begin(), a.arrived.end(), by_offset);
-  uint32_t end = 0;
-  for (const Assembly::Part& part : a.arrived) {
-    if (part.offset != end) return false;
-    end += part.size;
-  }
-  if (end != a.size) return false;
-  if (in_order) return true;
-  std::vector<uint8_t> ordered;
-  ordered.reserve(a.size);
-  for (const Assembly::Part& part : a.arrived)
-    ordered.insert(ordered.end(), a.data.begin() + part.at, a.data.begin() + part.at + part.size);
-  a.data = std::move(ordered);
-  return true;
-}
-
-}  // namespace
 
 void Assembler::close(size_t index) {
   bytes_ -= half_done_[index].data.size();

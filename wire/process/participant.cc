@@ -43,7 +43,8 @@ std::vector<std::string> names_of(const std::vector<Channel>& channels, const st
 BusOptions bus_options(const ParticipantOptions& options) {
   BusOptions bus;
   std::vector<Channel> channels = options.channels;
-  if (!channels.empty()) channels.push_back(Channel::Process);
+  if (!channels.empty() && std::find(channels.begin(), channels.end(), Channel::Process) == channels.end())
+    channels.push_back(Channel::Process);
   bus.channels = names_of(channels, options.prefix);
   bus.max_message = kLargestMessage;
   return bus;

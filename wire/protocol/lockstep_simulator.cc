@@ -58,7 +58,7 @@ void LockstepSimulatorRole::on_need(int64_t step, Micros now) {
   Micros& last = resent_[step];
   if (last != 0 && now - last < kFirstWait / 2) return;
   last = now;
-  resent_.erase(resent_.lower_bound(0), resent_.lower_bound(std::max<int64_t>(published_ - ring_.size(), 0)));
+  resent_.erase(resent_.begin(), resent_.lower_bound(std::max<int64_t>(published_ - ring_.size(), 0)));
   if (const StepRecord* record = ring_.find(step)) resend(*record);
   if (!end_.empty() && step >= last_step_) publish_(Channel::End, end_);
 }

@@ -48,8 +48,8 @@ Claim Publishers::claim(const std::string& name, uint64_t address, Micros now) {
 }
 
 std::string Publishers::process(const std::string& name, int64_t nonce, uint64_t address, Micros now) {
-  if (address != 0 && is_pinned(name, address, now)) return {};
   if (address == 0) return nonce == nonce_ ? "" : fmt::format("a {} of another lab", name);
+  if (is_pinned(name, address, now)) return {};
   if (name == own_) return fmt::format("{} is another process named {}", address_text(address), name);
   const auto known = pins_.find(name);
   const bool guest =
