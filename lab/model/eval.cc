@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/util/json_text.h"
 #include "lab/model/describe.h"
 
 namespace lab::model {
@@ -22,7 +23,7 @@ struct State {
 
 /// A piece of input as a person would look for it: short, on one line.
 std::string seen(const json& value) {
-  const std::string text = value.dump();
+  const std::string text = json_text(value);
   return text.size() > 40 ? text.substr(0, 37) + ".." : text;
 }
 
@@ -184,7 +185,7 @@ ordered_json state_json(const rbd::Model& model, rbd::Data& data, const State& s
 
 json parse(const std::string& text) {
   try {
-    return json::parse(text);
+    return parse_json(text);
   } catch (const json::exception& error) {
     // "[json.exception.parse_error.101] parse error at line 1, column 2: ..": the bracket is the library's
     // own

@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/util/json_text.h"
 #include "core/util/number.h"
 #include "lab/evaluation/tracking.h"
 #include "lab/experiment/experiment_yaml.h"
@@ -159,13 +160,13 @@ Comparison compare(const std::vector<Folder>& runs) {
                                (runs[i].logged ? "no whole step in its log" : runs[i].no_log) + ")");
   for (size_t i = 0; i < runs.size(); ++i)
     if (!runs[i].metrics["complete"].get<bool>())
-      out.notes.push_back(out.names[i] + " ended early, at step " + runs[i].metrics["last_step"].dump() +
-                          " of " + runs[i].metrics["wanted_last_step"].dump() +
+      out.notes.push_back(out.names[i] + " ended early, at step " + json_text(runs[i].metrics["last_step"]) +
+                          " of " + json_text(runs[i].metrics["wanted_last_step"]) +
                           ": its figures cover the time until then.");
   for (size_t i = 1; i < runs.size(); ++i)
     if (runs[i].metrics["band"] != runs[0].metrics["band"])
-      out.notes.push_back(out.names[i] + " was judged by another band (" + runs[i].metrics["band"].dump() +
-                          ", not " + runs[0].metrics["band"].dump() +
+      out.notes.push_back(out.names[i] + " was judged by another band (" +
+                          json_text(runs[i].metrics["band"]) + ", not " + json_text(runs[0].metrics["band"]) +
                           "): settling times differ for that alone.");
   find_joints(runs, out);
   find_keys(runs, out);

@@ -10,6 +10,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "core/util/json_text.h"
 #include "core/util/number.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "wire/log/logged_messages.h"
@@ -119,7 +120,7 @@ std::vector<std::pair<std::string, std::string>> read_last_lines(const fs::path&
   for (const auto& [name, code] : manifest["exit_codes"].items()) {
     if (code == 0 || name == "run") continue;
     std::string text = tail(bytes_of(dir / "processes" / (name + ".log")));
-    all.emplace_back(name + " (exit " + code.dump() + ")", text.empty() ? "(no output)" : text);
+    all.emplace_back(name + " (exit " + json_text(code) + ")", text.empty() ? "(no output)" : text);
   }
   return all;
 }
@@ -134,7 +135,7 @@ Folder read_folder(const std::string& dir) {
   Folder out;
   out.name = fs::canonical(root).filename();
   out.experiment_text = bytes_of(root / "experiment.yaml");
-  out.manifest = nlohmann::json::parse(bytes_of(root / "manifest.json"), nullptr, false);
+  out.manifest = try_parse_json(bytes_of(root / "manifest.json"));
   if (!out.manifest.is_object()) out.manifest = nullptr;
   try {
     if (!fs::exists(log))

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "core/util/json_text.h"
 #include "core/util/number.h"
 #include "lab/page/page.h"
 #include "lab/page/template.h"
@@ -178,7 +179,8 @@ json version_rows(const json& manifest) {
   if (manifest.is_null()) return rows;
   const auto add = [&](const std::string& label, const json& what) {
     if (!what.is_null())
-      rows.push_back({{"label", label}, {"value", what.is_string() ? what.get<std::string>() : what.dump()}});
+      rows.push_back(
+          {{"label", label}, {"value", what.is_string() ? what.get<std::string>() : json_text(what)}});
   };
   for (const auto& [key, label] : {std::pair("lcmlab", "lcmlab"),
                                    {"compiler", "compiler"},
@@ -203,7 +205,7 @@ json version_rows(const json& manifest) {
   const json exit_codes = manifest.value("exit_codes", json::object());
   std::string codes;
   for (const auto& [name, code] : exit_codes.items())
-    codes += (codes.empty() ? "" : ", ") + name + " " + code.dump();
+    codes += (codes.empty() ? "" : ", ") + name + " " + json_text(code);
   if (manifest.contains("exit_codes")) add("exit codes", codes);
   return rows;
 }

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/util/json_text.h"
 #include "lab/evaluation/evaluate.h"
 
 namespace lab::sweep {
@@ -34,7 +35,7 @@ std::string result_line(const std::string& key, const json& evaluated) {
                   {"passed", evaluated["passed"]},
                   {"reason", evaluated["reason"]},
                   {"metrics", std::move(values)}};
-  return line.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+  return json_text(line) + "\n";
 }
 
 Results::Results(std::string dir, std::vector<std::string> metrics)
@@ -42,7 +43,7 @@ Results::Results(std::string dir, std::vector<std::string> metrics)
 
 std::optional<Row> Results::read(const std::string& line) const {
   try {
-    const json all = json::parse(line);
+    const json all = parse_json(line);
     Row row;
     row.state = Row::State::Done;
     row.key = all.at("key").get<std::string>();

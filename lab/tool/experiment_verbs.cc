@@ -6,6 +6,7 @@
 
 #include "core/util/atomic_file.h"
 #include "core/util/exit_code.h"
+#include "core/util/json_text.h"
 #include "core/util/number.h"
 #include "lab/check/check.h"
 #include "lab/evaluation/evaluate.h"
@@ -55,7 +56,7 @@ int check_files(const Options& options) {
     }
     all.push_back(one);
   }
-  if (options.as_json) std::cout << all.dump(2) << "\n";
+  if (options.as_json) std::cout << json_text(all, 2) << "\n";
   return result;
 }
 
@@ -84,9 +85,9 @@ int evaluate_run(const Options& options) {
   all["experiment"] = logged.experiment.name;
   all["robot"] = logged.robot.model.name;
   all["run"] = hex(logged.id);
-  write_atomically(options.run_dir + "/metrics.json", all.dump(2) + "\n");
+  write_atomically(options.run_dir + "/metrics.json", json_text(all, 2) + "\n");
   if (options.as_json)
-    std::cout << all.dump(2) << "\n";
+    std::cout << json_text(all, 2) << "\n";
   else
     std::cout << metrics_text(all);
   return all["passed"].get<bool>() ? kOk : kCheckFailed;
@@ -102,7 +103,7 @@ int write_manifest(Options options) {
       return kUsage;
     }
   }
-  const std::string text = manifest(options.run_dir, options.launch).dump(2) + "\n";
+  const std::string text = json_text(manifest(options.run_dir, options.launch), 2) + "\n";
   write_atomically(options.run_dir + "/manifest.json", text);
   if (options.as_json) std::cout << text;
   return kOk;
@@ -123,7 +124,7 @@ int compare_runs(const Options& options) {
   const report::Comparison all = report::compare(runs);
   if (!options.out.empty()) write_atomically(options.out, report::compare_page(all, runs));
   if (options.as_json)
-    std::cout << compare_json(all).dump(2) << "\n";
+    std::cout << json_text(compare_json(all), 2) << "\n";
   else
     std::cout << compare_text(all);
   return kOk;

@@ -6,9 +6,11 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/util/json_text.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/experiment/hash.h"
 #include "lab/experiment/robot.h"
@@ -82,7 +84,8 @@ json manifest(const std::string& dir, const Launch& launch) {
   out["log_bytes"] = none ? json(nullptr) : json(bytes);
 
   std::ifstream metrics(dir + "/metrics.json");
-  const json found = metrics ? json::parse(metrics, nullptr, false) : json();
+  const json found =
+      metrics ? try_parse_json(std::string(std::istreambuf_iterator<char>(metrics), {})) : json();
   for (const char* key : {"run", "last_step", "complete", "passed"})
     out[key] = found.is_object() ? found.value(key, json()) : json();
 

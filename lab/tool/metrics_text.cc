@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/util/json_text.h"
 #include "core/util/number.h"
 
 namespace lab {
@@ -63,8 +64,8 @@ std::string metrics_text(const json& all) {
   for (const json& verdict : all["verdicts"]) out += verdict_line(verdict);
   if (!all["complete"].get<bool>()) {
     const std::string reason = all["reason"];
-    out += fmt::format("FAILED  the run ended at step {} of {}{}\n", all["last_step"].dump(),
-                       all["wanted_last_step"].dump(), reason.empty() ? "" : ": " + reason);
+    out += fmt::format("FAILED  the run ended at step {} of {}{}\n", json_text(all["last_step"]),
+                       json_text(all["wanted_last_step"]), reason.empty() ? "" : ": " + reason);
   }
   return out;
 }

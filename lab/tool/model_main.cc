@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "core/util/exit_code.h"
+#include "core/util/json_text.h"
 #include "lab/model/describe.h"
 #include "lab/model/eval.h"
 #include "lab/model/robot.h"
@@ -24,9 +25,7 @@ struct Options {
 };
 
 /// A name that is no UTF-8 is shown with marks in place of its odd bytes.
-void print(const ordered_json& value, int indent) {
-  fmt::print("{}\n", value.dump(indent, ' ', false, ordered_json::error_handler_t::replace));
-}
+void print(const ordered_json& value, int indent) { fmt::print("{}\n", json_text(value, indent)); }
 
 /// Errors always; warnings and notes on demand.
 void print(const std::vector<rbd::urdf::Diagnostic>& diagnostics, rbd::urdf::Severity least) {

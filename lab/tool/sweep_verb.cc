@@ -15,6 +15,7 @@
 #include "core/util/atomic_file.h"
 #include "core/util/exit_code.h"
 #include "core/util/interrupt.h"
+#include "core/util/json_text.h"
 #include "lab/sweep/engine.h"
 #include "lab/sweep/page.h"
 #include "lab/sweep/table.h"
@@ -74,7 +75,7 @@ int finish(const Sweep& sweep, const std::vector<Row>& rows, const Options& o) {
   if (o.as_json) {
     nlohmann::json all = summary(sweep, rows);
     all["folder"] = o.dir;
-    fmt::print("{}\n", all.dump(2));
+    fmt::print("{}\n", json_text(all, 2));
   } else {
     for (size_t m = 0; m < sweep.metrics.size(); ++m)
       if (const Extremes found = extremes(rows, m); found.smallest >= 0)
@@ -130,7 +131,7 @@ int run(const Options& options) {
   Workbench bench(sweep);
   bench.check();
   if (o.dry_run) {
-    fmt::print("{}", o.as_json ? runs_as_json(sweep).dump(2) + "\n" : list_of_runs(sweep));
+    fmt::print("{}", o.as_json ? json_text(runs_as_json(sweep), 2) + "\n" : list_of_runs(sweep));
     return kOk;
   }
   if (o.dir.empty()) o.dir = "sweep-" + sweep.name;

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "core/util/interrupt.h"
+#include "core/util/json_text.h"
 #include "lab/run/shell.h"
 #include "procs/spy/types.h"
 #include "wire/bus/bus.h"
@@ -111,7 +112,7 @@ int list(const Options& options) {
                  seen.times.size(), hz, rate, static_cast<double>(least) * 1e-3,
                  static_cast<double>(most) * 1e-3, seen.senders.size(), seen.lost);
   }
-  if (options.as_json) fmt::print("{}\n", all.dump(2));
+  if (options.as_json) fmt::print("{}\n", json_text(all, 2));
   return interrupted ? 128 + interrupted : kOk;
 }
 
@@ -134,11 +135,10 @@ void show(const Options& options, const Types& types, const Datagram& datagram) 
                                 : "unknown type " + type_name(types, datagram);
   if (!fault.empty()) {
     if (options.as_json)
-      fmt::print("{}\n", ordered_json{{"channel", datagram.channel},
-                                      {"size", datagram.data.size()},
-                                      {"error", fault},
-                                      {"head", head_of(datagram.data)}}
-                             .dump());
+      fmt::print("{}\n", json_text(ordered_json{{"channel", datagram.channel},
+                                                {"size", datagram.data.size()},
+                                                {"error", fault},
+                                                {"head", head_of(datagram.data)}}));
     else
       fmt::print("{} ({} bytes): {}: {}\n", datagram.channel, datagram.data.size(), fault,
                  head_of(datagram.data));
@@ -157,16 +157,15 @@ void show(const Options& options, const Types& types, const Datagram& datagram) 
           return names;
         }()));
       found[field] = to_json(*part);
-      line += (line.empty() ? "" : " ") + to_json(*part).dump();
+      line += (line.empty() ? "" : " ") + json_text(to_json(*part));
     }
-    fmt::print("{}\n", options.as_json ? found.dump() : line);
+    fmt::print("{}\n", options.as_json ? json_text(found) : line);
   } else if (options.as_json) {
-    fmt::print("{}\n", ordered_json{{"channel", datagram.channel},
-                                    {"type", type->name},
-                                    {"size", datagram.data.size()},
-                                    {"utime_wall", wall_now()},
-                                    {"message", to_json(value)}}
-                           .dump());
+    fmt::print("{}\n", json_text(ordered_json{{"channel", datagram.channel},
+                                              {"type", type->name},
+                                              {"size", datagram.data.size()},
+                                              {"utime_wall", wall_now()},
+                                              {"message", to_json(value)}}));
   } else {
     fmt::print("{} ({}, {} bytes)\n{}\n", datagram.channel, type->name, datagram.data.size(), to_text(value));
   }
@@ -246,7 +245,7 @@ int who(const Options& options) {
                  z.state, z.pid, z.step, rate, p50, p99, most, z.overruns,
                  z.rejected + z.foreign + z.malformed + std::max<int64_t>(z.overflow, 0));
   }
-  if (options.as_json) fmt::print("{}\n", all.dump(2));
+  if (options.as_json) fmt::print("{}\n", json_text(all, 2));
   return interrupted ? 128 + interrupted : kOk;
 }
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/util/json_text.h"
+
 namespace lab {
 namespace {
 
@@ -23,7 +25,7 @@ void scalar(std::string& out, const Value& v) {
   if (const auto* f = std::get_if<float>(&v.is)) out += number_text(*f);
   if (const auto* d = std::get_if<double>(&v.is)) out += number_text(*d);
   if (const auto* s = std::get_if<std::string>(&v.is)) {
-    out += nlohmann::json(*s).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    out += json_text(nlohmann::json(*s));
   }
 }
 
@@ -102,7 +104,7 @@ nlohmann::ordered_json to_json(const Value& value) {
   }
   if (const auto* s = std::get_if<std::string>(&value.is)) {
     // through text once, so that bytes that are not UTF-8 cannot make a later dump() throw
-    return Json::parse(Json(*s).dump(-1, ' ', false, Json::error_handler_t::replace));
+    return parse_json(json_text(Json(*s))).get<std::string>();
   }
   if (const auto* b = std::get_if<bool>(&value.is)) return *b;
   if (const auto* i = std::get_if<int64_t>(&value.is)) return *i;
