@@ -10,6 +10,7 @@ namespace lab::render {
 namespace {
 
 using Eigen::Isometry3d;
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::Vector4f;
 
@@ -26,10 +27,20 @@ Body annotation(const char* name) {
   return body;
 }
 
+// The shortest rotation that takes the z axis to the direction of `z`. (Eigen's FromTwoVectors does the same; its singular
+// value decomposition takes as long to compile as the rest of this file.)
+Matrix3d turn_z_to(const Vector3d& z) {
+  const Vector3d to = z.normalized();
+  if (to.z() < -1 + 1e-12) return Vector3d(1, -1, -1).asDiagonal();  // half a turn about x
+  const double s = std::sqrt((1 + to.z()) * 2);                      // 2 cos(angle / 2)
+  const Vector3d axis = Vector3d::UnitZ().cross(to) / s;
+  return Eigen::Quaterniond(s / 2, axis.x(), axis.y(), axis.z()).toRotationMatrix();
+}
+
 // The frame at `origin` whose z axis has the direction of `z`; x and y are arbitrary.
 Isometry3d along(const Vector3d& origin, const Vector3d& z) {
   Isometry3d frame = Isometry3d::Identity();
-  frame.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), z).toRotationMatrix();
+  frame.linear() = turn_z_to(z);
   frame.translation() = origin;
   return frame;
 }

@@ -7,6 +7,13 @@
 
 namespace lab {
 
+Experiment::Experiment() = default;
+Experiment::~Experiment() = default;
+Experiment::Experiment(const Experiment&) = default;
+Experiment::Experiment(Experiment&&) noexcept = default;
+Experiment& Experiment::operator=(const Experiment&) = default;
+Experiment& Experiment::operator=(Experiment&&) noexcept = default;
+
 int64_t Experiment::last_step() const { return std::llround(simulator.duration / simulator.dt); }
 
 bool Experiment::operator==(const Experiment& o) const {

@@ -56,6 +56,14 @@ struct PlannedPayload {
 };
 
 struct Experiment {
+  // written in experiment.cc: as inline functions they would be compiled again in every file that holds an experiment
+  Experiment();
+  ~Experiment();
+  Experiment(const Experiment&);
+  Experiment(Experiment&&) noexcept;
+  Experiment& operator=(const Experiment&);
+  Experiment& operator=(Experiment&&) noexcept;
+
   std::string name;      ///< of the run; the file's name without .yaml unless given
   int64_t seed = 0;      ///< of all random numbers
   double ready = 10;     ///< s of wall time for all processes to become READY

@@ -77,6 +77,12 @@ Model::Model() : gravity(Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, -9.81)) 
   pack(0);
 }
 
+Model::~Model() = default;
+Model::Model(const Model& other) = default;
+Model::Model(Model&& other) noexcept = default;
+Model& Model::operator=(const Model& other) = default;
+Model& Model::operator=(Model&& other) noexcept = default;
+
 void Model::requireJoint(const char* function, JointIndex joint) const {
   if (joint < 0 || joint >= njoints) {
     fail(std::string(function) + ": joint index " + std::to_string(joint) + " does not exist, model '" +

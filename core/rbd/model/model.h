@@ -51,6 +51,11 @@ class Model {
 
   // Only the universe: one joint, one frame of that name, gravity (0, 0, -9.81).
   Model();
+  ~Model();
+  Model(const Model& other);
+  Model(Model&& other) noexcept;
+  Model& operator=(const Model& other);
+  Model& operator=(Model&& other) noexcept;
 
   std::string name;
   int nq = 0, nv = 0;
