@@ -53,13 +53,15 @@ struct BusOptions {
   FaultHook drop;                   ///< env LAB_FAULT_DROP=percent,seed when probability is 0
 };
 
+inline constexpr int kMaxPerPoll = 1024;  ///< messages, bounds the time of one poll
+
 class Bus {
  public:
   virtual ~Bus() = default;
   /// Sends one message. Never waits longer than a millisecond; what the kernel does not take is counted.
   /// Throws std::invalid_argument for a channel name that is empty or longer than kMaxChannelName bytes.
   virtual void publish(std::string_view channel, std::span<const uint8_t> data) = 0;
-  /// Hands every message that waits to the handler, at most about a thousand; waits up to timeout_us for the
+  /// Hands every message that waits to the handler, about kMaxPerPoll at most; waits up to timeout_us for the
   /// first (0 = does not wait, negative = for ever). Returns how many. A signal ends the wait early with 0.
   /// The handler may publish and may throw; after a throw the rest of the messages comes with the next poll.
   /// batch_us > 0: after its wake-up the process sleeps that much longer before it reads, so that it is woken less

@@ -14,8 +14,6 @@
 namespace lab {
 namespace {
 
-constexpr int kMaxPerPoll = 1024;
-
 // A channel name as a regular expression that matches only it.
 std::string literal(const std::string& name) {
   std::string out;

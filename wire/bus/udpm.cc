@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <linux/filter.h>
 #include <linux/sock_diag.h>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -25,9 +26,8 @@ namespace {
 
 using namespace udpm;
 
-constexpr int kBatch = 16;         // packets a system call
-constexpr int64_t kSpin = 30;      // us to look for the next packet before the sleep
-constexpr int kMaxPerPoll = 1024;  // messages, bounds the time of one poll
+constexpr int kBatch = 16;     // packets a system call
+constexpr int64_t kSpin = 30;  // us to look for the next packet before the sleep
 constexpr size_t kMaxSenders = 4096;
 constexpr int32_t kRestarted = 1000;  // a sequence number so far back means a new process on an old port
 
@@ -99,6 +99,7 @@ class UdpmBus : public Bus {
   Assembler assembler_;
   sockaddr_in group_{};
   uint8_t ttl_ = 0;
+  int interface_ = 0;  // index of the one that the URL names; 0 = none
   Fd send_, receive_;
   uint64_t self_ = 0;
   int granted_ = 0;  // bytes of receive buffer
@@ -117,6 +118,8 @@ class UdpmBus : public Bus {
 constexpr const char* kNoRoute =
     "; LCM needs a multicast route, for one machine: ip link set lo multicast on; ip route add 224.0.0.0/4 "
     "dev lo";
+
+int loopback() { return static_cast<int>(if_nametoindex("lo")); }
 
 uint64_t key_of(const sockaddr_in& a) { return uint64_t{ntohl(a.sin_addr.s_addr)} << 16 | ntohs(a.sin_port); }
 
@@ -145,8 +148,11 @@ void UdpmBus::read_url() {
       ttl_ = static_cast<uint8_t>(number("ttl", value, 0, 255));
     } else if (key == "recv_buf_size") {
       options_.recv_buf_size = number("recv_buf_size", value, 0, 1 << 30);
+    } else if (key == "interface") {
+      interface_ = static_cast<int>(if_nametoindex(value.c_str()));
+      if (interface_ == 0) refuse("this host has no network interface '" + value + "'");
     } else {
-      refuse("unknown option '" + key + "'; ttl, recv_buf_size and backend exist");
+      refuse("unknown option '" + key + "'; ttl, recv_buf_size, interface and backend exist");
     }
   }
 }
@@ -155,6 +161,11 @@ void UdpmBus::open_send() {
   send_.fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (send_.fd < 0) fail("socket");
   if (setsockopt(send_.fd, IPPROTO_IP, IP_MULTICAST_TTL, &ttl_, sizeof ttl_) < 0) fail("IP_MULTICAST_TTL");
+  // What stays on this host goes over lo, whatever happens to the other interfaces and routes.
+  if (const int out = interface_ != 0 ? interface_ : ttl_ == 0 ? loopback() : 0; out != 0) {
+    const ip_mreqn from{{}, {}, out};
+    if (setsockopt(send_.fd, IPPROTO_IP, IP_MULTICAST_IF, &from, sizeof from) < 0) fail("IP_MULTICAST_IF");
+  }
   const int size = 1 << 20;
   setsockopt(send_.fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);  // asked of the kernel
   if (connect(send_.fd, reinterpret_cast<const sockaddr*>(&group_), sizeof group_) < 0)
@@ -189,10 +200,14 @@ void UdpmBus::open_receive() {
   }
   // bound to the group's address: other groups on the same port stay out
   if (bind(fd, reinterpret_cast<const sockaddr*>(&group_), sizeof group_) < 0) fail("bind");
-  ip_mreq member{};
-  member.imr_multiaddr = group_.sin_addr;
-  if (setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &member, sizeof member) < 0)
-    fail("joining the group", kNoRoute);
+  const auto join = [&](int interface) {
+    const ip_mreqn member{group_.sin_addr, {}, interface};
+    return setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &member, sizeof member) == 0;
+  };
+  // on lo we hear our own kind, on the route's interface plain LCM programs of this host, and other hosts
+  const bool here = loopback() != 0 && join(loopback());
+  const bool there = join(interface_) || errno == EADDRINUSE;  // the route's interface may be lo itself
+  if (interface_ != 0 || ttl_ != 0 ? !there : !(here || there)) fail("joining the group", kNoRoute);
 }
 
 bool UdpmBus::send(iovec* parts, size_t n) {

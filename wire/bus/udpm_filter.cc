@@ -9,10 +9,10 @@ namespace lab::udpm {
 namespace {
 
 // Offsets from the UDP header, where the kernel lets a socket's filter start.
-constexpr uint32_t kSourcePort = 0;
-constexpr uint32_t kMagic = 8;
-constexpr uint32_t kChannel = 16;
-constexpr uint32_t kSourceAddress = static_cast<uint32_t>(SKF_NET_OFF) + 12;
+constexpr uint32_t kSourcePortAt = 0;
+constexpr uint32_t kMagicAt = 8;
+constexpr uint32_t kChannelAt = 16;
+constexpr uint32_t kSourceAddressAt = static_cast<uint32_t>(SKF_NET_OFF) + 12;
 
 sock_filter load(uint16_t size, uint32_t offset) {
   return {static_cast<uint16_t>(BPF_LD | size | BPF_ABS), 0, 0, offset};
@@ -30,12 +30,12 @@ std::vector<sock_filter> channel_filter(std::vector<std::string> channels, uint3
     return a.size() != b.size() ? a.size() < b.size() : a < b;
   });
   std::vector<sock_filter> program = {
-      load(BPF_H, kSourcePort),
+      load(BPF_H, kSourcePortAt),
       unless_equal(own_port, 3),  //
-      load(BPF_W, kSourceAddress),
+      load(BPF_W, kSourceAddressAt),
       unless_equal(own_address, 1),  //
       verdict(false),                //
-      load(BPF_W, kMagic),
+      load(BPF_W, kMagicAt),
       unless_equal(kFragment, 1),  //
       verdict(true),
       unless_equal(kShort, 1),  //
@@ -50,7 +50,10 @@ std::vector<sock_filter> channel_filter(std::vector<std::string> channels, uint3
       const size_t n = length - at >= 4 ? 4 : length - at >= 2 ? 2 : 1;
       uint32_t value = 0;
       for (size_t i = 0; i < n; ++i) value = value << 8 | static_cast<uint8_t>(name.c_str()[at + i]);
-      compare.push_back(load(n == 4 ? BPF_W : n == 2 ? BPF_H : BPF_B, kChannel + static_cast<uint32_t>(at)));
+      compare.push_back(load(n == 4   ? BPF_W
+                             : n == 2 ? BPF_H
+                                      : BPF_B,
+                             kChannelAt + static_cast<uint32_t>(at)));
       compare.push_back(unless_equal(value, 0));
       at += n;
     }
