@@ -28,6 +28,59 @@ start() {
   note "start $1 pid ${pid[$1]}"
 }
 
+# A process may have been killed together with its keeper (its parent shell: lib-process.sh), which then reports
+# nothing. A keeper that has just reported is missing too, so a process counts as dead only when it is missing in two
+# checks with an empty pipe in between.
+declare -A suspect=()
+look_for_dead() {
+  local name
+  for name in "${names[@]}"; do
+    if ! alive "$name" || kill -0 "${pid[$name]}" 2>/dev/null; then continue; fi
+    if [ -n "${suspect[$name]:-}" ]; then reap "$name" 137; else suspect[$name]=1; fi
+  done
+}
+
+# A process that is stopped (SIGSTOP; not by a debugger) for 3 s counts as dead in a group that keeps running, whose policies
+# say what follows; in a run that is never restarted, the run's own deadline ends it. Its keeper and this script are only told to go on: `watch_self` does that for the supervisor.
+declare -A stopped_at=()
+stopped_limit=3000 # ms
+look_for_stopped() {
+  local name stat keeps_running=''
+  for name in "${names[@]}"; do [ "${policy[$name]:-never}" = never ] || keeps_running=1; done
+  for name in "${names[@]}"; do
+    alive "$name" || continue
+    kill -CONT "${pid[$name]}" 2>/dev/null
+    { read -r stat <"/proc/${host[$name]:-0}/stat"; } 2>/dev/null || stat=
+    stat=${stat##*) }
+    if [ "${stat%% *}" != T ] || [ -z "$keeps_running" ] || [ "$stage" -ne 0 ]; then
+      unset "stopped_at[$name]"
+    elif [ $((t - ${stopped_at[$name]:=$t})) -ge "$stopped_limit" ]; then
+      unset "stopped_at[$name]"
+      clear_progress
+      say "$verb: $name has been stopped (SIGSTOP) for $((stopped_limit / 1000)) s: killing it"
+      note "send KILL to $name, which is stopped"
+      kill -KILL -- "-${pid[$name]}" 2>/dev/null
+    fi
+  done
+}
+
+# A supervisor that is stopped (SIGSTOP) would miss ends and its --timeout: a shell beside it tells it to go on after 2 s. The
+# shell ends with the supervisor.
+# shellcheck disable=SC2016
+watcher='exec {clock}<> <(:)
+times=0
+while :; do
+  read -rt 1 -u "$clock"
+  read -r stat <"/proc/$1/stat" || exit
+  stat=${stat##*) }
+  if [ "${stat%% *}" = T ]; then times=$((times + 1)); else times=0; fi
+  [ "$times" -lt 2 ] || kill -CONT "$0"
+done'
+watch_self() {
+  setpriv --pdeathsig KILL setsid bash -c "$watcher" "$$" "$own_pid" </dev/null >/dev/null 2>&1 {journal}>&- {control}>&- &
+  disown "$!"
+}
+
 # The state file that ps and wait read: rewritten at every change.
 phase=running ended_code='' reason=''
 write_state() {

@@ -35,7 +35,8 @@ supervise() {
 supervise_in_background() {
   printf '%s\n' "$@" >"$BATS_TEST_TMPDIR/Procfile"
   out=$BATS_TEST_TMPDIR/out
-  "$ROOT/scripts/supervise" --dir "$group" "$BATS_TEST_TMPDIR/Procfile" >"$out" 2>&1 3>&- &
+  # shellcheck disable=SC2086  # several options
+  "$ROOT/scripts/supervise" --dir "$group" ${flags:-} "$BATS_TEST_TMPDIR/Procfile" >"$out" 2>&1 3>&- &
   boss=$! # process substitutions change $!
 }
 

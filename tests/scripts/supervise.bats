@@ -116,6 +116,31 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   [ "$(cat "$group/planner.log")" = heard ]
 }
 
+@test "a process that stays stopped is killed, and started again where it may be" {
+  run supervise "#lab: planner restart=on-failure" \
+    "planner: echo life; mkdir $BATS_TEST_TMPDIR/once 2>/dev/null && kill -STOP \$\$; exit 0 # $mark"
+  [ "$status" -eq 0 ]
+  [[ $output == *"planner has been stopped"*"killing it"* ]]
+  [ "$(grep -c life "$group/planner.log")" -eq 2 ]
+}
+
+@test "a supervisor that is stopped is told to go on, and keeps its --timeout" {
+  flags="--timeout 1" supervise_in_background "simulator: echo up; $nap; : $mark"
+  eventually 10 test -s "$group/simulator.log"
+  kill -STOP $boss
+  code_of $boss
+  [ "$status" -eq 124 ]
+  eventually 5 gone
+}
+
+@test "a keeper that is stopped reports its process' end all the same" {
+  supervise_in_background "simulator: echo up; echo \$PPID >$BATS_TEST_TMPDIR/keeper; read -rt 1 <> <(:); exit 0 # $mark"
+  eventually 10 test -s "$BATS_TEST_TMPDIR/keeper"
+  kill -STOP "$(cat "$BATS_TEST_TMPDIR/keeper")"
+  code_of $boss
+  [ "$status" -eq 0 ]
+}
+
 @test "kill -9 of the supervisor: its processes go too" {
   supervise_in_background "simulator: echo up; $nap; : $mark" "planner: echo up; $nap; : $mark"
   eventually 10 test -s "$group/simulator.log" # a process that has written is tied to its keeper

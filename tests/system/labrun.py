@@ -150,6 +150,27 @@ def telemetry(folder, types):
     return []
 
 
+def call(runs, *words):
+    """A verb of the labs in the folder `runs`."""
+    return subprocess.run([LAB, *words], env=environment(LAB_RUNS=str(runs)), capture_output=True, text=True,
+                          timeout=DEADLINE, stdin=subprocess.DEVNULL)
+
+
+def ok(done):
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def state(folder):
+    """Processes by name, as the supervisor sees them: status, pid, restarts."""
+    found = {}
+    for line in (pathlib.Path(folder) / "processes" / "state").read_text().splitlines():
+        words = line.split()
+        if words[0] == "process":
+            found[words[1]] = (words[2], int(words[3]), int(words[5]))
+    return found
+
+
 def leftovers(folder):
     """Processes whose command line or working folder names the folder."""
     found = []

@@ -9,6 +9,7 @@ import subprocess
 import pytest
 
 import labrun as lab
+from labrun import call, ok, state
 
 # A loaded machine may be late by more than the usual watchdog allows; these tests are not about that.
 PATIENT = ["--set", "safety.timeout=0.5"]
@@ -22,26 +23,6 @@ def runs(tmp_path):
     yield folder
     call(folder, "down", "--all", "--timeout", "5")
     assert not lab.leftovers(folder)
-
-
-def call(runs, *words):
-    return subprocess.run([lab.LAB, *words], env=lab.environment(LAB_RUNS=str(runs)), capture_output=True, text=True,
-                          timeout=lab.DEADLINE, stdin=subprocess.DEVNULL)
-
-
-def ok(done):
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def state(folder):
-    """Processes by name, as the supervisor sees them: status, pid, restarts."""
-    found = {}
-    for line in (pathlib.Path(folder) / "processes" / "state").read_text().splitlines():
-        words = line.split()
-        if words[0] == "process":
-            found[words[1]] = (words[2], int(words[3]), int(words[5]))
-    return found
 
 
 def log_of(folder):
