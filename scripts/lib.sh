@@ -274,6 +274,7 @@ send_to_lab() {
   done
   need_programs lab-send
   pick_lab "$@"
+  export LAB_RUN_DIR=$lab_dir
   enter_lab "$lab_dir" lab-send "$name" "${rest[@]}"
 }
 

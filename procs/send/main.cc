@@ -10,11 +10,14 @@
 #include <lab/run_t.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
+#include "core/util/json_text.h"
 #include "lab/run/run.h"
 #include "lab/run/shell.h"
 #include "procs/send/send.h"
 #include "wire/bus/bus.h"
+#include "wire/process/launch_record.h"
 #include "wire/process/participant.h"
 #include "wire/protocol/convert.h"
 #include "wire/schema/codec.h"
@@ -23,9 +26,10 @@ namespace lab::send {
 namespace {
 
 volatile sig_atomic_t interrupted = 0;
+constexpr Micros kOthersAnswerIn = 30'000;
 
 struct Options {
-  std::string url, prefix, run;
+  std::string url, prefix, run, run_dir;
   double timeout = 5;
   bool as_json = false;
 };
@@ -42,7 +46,8 @@ class Guest {
   explicit Guest(const Options& options)
       : options_(options),
         guard_(options.prefix),
-        until_(monotonic_now() + static_cast<Micros>(options.timeout * 1e6)) {
+        until_(monotonic_now() + static_cast<Micros>(options.timeout * 1e6)),
+        record_(options.run_dir) {
     BusOptions bus;
     for (Channel channel : {Channel::Reply, Channel::Run, Channel::Reference})
       bus.channels.push_back(wire_name(channel, options.prefix));
@@ -53,23 +58,25 @@ class Guest {
   int64_t run() const { return run_; }
   void bind(int64_t run) { guard_.set_run(run_ = run); }
 
-  /// Sends `message` every 100 ms until `take` accepts a received message; false on timeout.
-  bool ask(Channel channel, const Bytes& message,
-           const std::function<bool(Channel, std::span<const uint8_t>)>& take) {
+  using Take = std::function<bool(Channel, std::span<const uint8_t>)>;
+  /// Sends `message` every 100 ms until `take` accepts a received message; false on timeout, and after `longest`.
+  bool ask(Channel channel, const Bytes& message, const Take& take, Micros longest = kForever) {
+    const Micros until = std::min(until_, monotonic_now() + longest);
     bool accepted = false;
     Micros next = 0;
     while (!accepted && !interrupted) {
       const Micros now = monotonic_now();
-      if (now >= until_) return false;
+      if (now >= until) return false;
       if (now >= next) {
         next = now + kRepeat;
         bus_->publish(wire_name(channel, options_.prefix), message);
       }
       bus_->poll(
-          std::min(next, until_) - now,
+          std::min(next, until) - now,
           [&](const Datagram& datagram) {
             const auto received = channel_of(datagram.channel, options_.prefix);
-            if (!accepted && received && guard_.check(*received, datagram.data))
+            if (!accepted && received && guard_.check(*received, datagram.data) &&
+                is_of_the_lab(*received, datagram.sender))
               accepted = take(*received, datagram.data);
           },
           kNoSpin);
@@ -78,24 +85,57 @@ class Guest {
   }
 
  private:
+  static constexpr Micros kForever = 1'000'000'000'000;
+
+  /// Whether the supervisor of the lab that is meant started the sender. True where there is no record to ask.
+  bool is_of_the_lab(Channel channel, uint64_t sender) {
+    if (of_the_lab_.contains({channel, sender})) return true;
+    const bool is = record_.check(kSimulator, sender) != Claim::Stranger ||
+                    (channel == Channel::Reference && record_.check(kPlanner, sender) != Claim::Stranger);
+    if (is) of_the_lab_.insert({channel, sender});
+    return is;
+  }
+
   const Options& options_;
   Guard guard_;
   Micros until_;
   int64_t run_ = 0;
+  LaunchRecord record_;
+  std::set<std::pair<Channel, uint64_t>> of_the_lab_;
   std::unique_ptr<Bus> bus_;
 };
 
-/// Binds the guest to the current run: a reset whose reply was lost must not reach the next run.
-bool bind_to_run(Guest& guest) {
+Bytes ask_for_run(const Guest& guest) {
   need_t need{};
   need.run = guest.run();
   need.step = kBeforeStart;
   need.process = kSimulator;
   need.sender = "lab-send";
-  return guest.ask(Channel::Need, encode(need), [&](Channel channel, std::span<const uint8_t> bytes) {
-    if (channel == Channel::Run) guest.bind(decode<run_t>(bytes).run);
-    return channel == Channel::Run;
-  });
+  return encode(need);
+}
+
+/// Binds the guest to the lab's run: the request must not reach another lab, nor, when a reply is lost, the next run. Returns
+/// false without an answer. Throws UsageError when several labs answer.
+bool bind_to_run(Guest& guest, const Options& options) {
+  if (!options.run.empty()) return true;
+  std::set<int64_t> runs;
+  const auto take = [&](Channel channel, std::span<const uint8_t> bytes) {
+    if (channel == Channel::Run) runs.insert(decode<run_t>(bytes).run);
+    return !runs.empty();
+  };
+  if (!guest.ask(Channel::Need, ask_for_run(guest), take)) return false;
+  // where no record tells the lab's simulator from others, they have a moment to answer too
+  if (options.run_dir.empty())
+    guest.ask(
+        Channel::Need, ask_for_run(guest),
+        [&](auto... received) { return take(received...) && runs.size() > 1; }, kOthersAnswerIn);
+  if (runs.size() > 1) {
+    std::string all;
+    for (const int64_t run : runs) all += fmt::format(" {:016x}", static_cast<uint64_t>(run));
+    throw UsageError("several labs are on this bus: say which with --run:" + all);
+  }
+  guest.bind(*runs.begin());
+  return true;
 }
 
 /// Mimic joints of a run's robot, each with the joint that it follows in the end.
@@ -112,13 +152,8 @@ std::map<std::string, std::string> followers_of(const run_t& run) {
 
 /// Receives RUN and the current reference of the joints.
 bool read_run_and_reference(Guest& guest, run_t& known, std::vector<double>& current) {
-  need_t need{};
-  need.run = guest.run();
-  need.step = kBeforeStart;
-  need.process = kSimulator;
-  need.sender = "lab-send";
   int64_t run = 0;
-  return guest.ask(Channel::Need, encode(need), [&](Channel channel, std::span<const uint8_t> bytes) {
+  return guest.ask(Channel::Need, ask_for_run(guest), [&](Channel channel, std::span<const uint8_t> bytes) {
     if (channel == Channel::Run) {
       known = decode<run_t>(bytes);
       run = known.run;
@@ -149,20 +184,19 @@ int request(Guest& guest, const Options& options, const Action& action) {
   if (interrupted) return 128 + interrupted;
   if (!reply) {
     if (options.as_json)
-      fmt::print("{}\n", nlohmann::ordered_json{{"verb", action.verb}, {"confirmed", false}}.dump());
+      fmt::print("{}\n", json_text(nlohmann::ordered_json{{"verb", action.verb}, {"confirmed", false}}));
     fmt::print(stderr, "lab-send: {} unconfirmed: no answer in {:g} s; see the log\n", action.verb,
                options.timeout);
     return kTransport;
   }
   if (options.as_json)
-    fmt::print("{}\n",
-               nlohmann::ordered_json{{"verb", action.verb},
-                                      {"confirmed", true},
-                                      {"ok", reply->ok != 0},
-                                      {"reason", reply->reason},
-                                      {"step", reply->step},
-                                      {"run", fmt::format("{:016x}", static_cast<uint64_t>(reply->run))}}
-                   .dump());
+    fmt::print("{}\n", json_text(nlohmann::ordered_json{
+                           {"verb", action.verb},
+                           {"confirmed", true},
+                           {"ok", reply->ok != 0},
+                           {"reason", reply->reason},
+                           {"step", reply->step},
+                           {"run", fmt::format("{:016x}", static_cast<uint64_t>(reply->run))}}));
   else if (reply->ok)
     fmt::print("{}\n", told(action, *reply));
   if (!reply->ok) fmt::print(stderr, "lab-send: {}\n", told(action, *reply));
@@ -188,6 +222,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
       ->envname("LAB_PREFIX");
+  app.add_option("--run-dir", options.run_dir, "the lab's folder: only its own simulator is asked")
+      ->envname("LAB_RUN_DIR");
   app.add_option("--run", options.run, "only this run (hexadecimal), where several are on the bus")
       ->check([](const std::string& word) {
         return !word.empty() && word.size() <= 16 &&
@@ -272,8 +308,9 @@ int send_goal(Guest& guest, const Options& options, const Words& words) {
 
 int send_verb(const std::string& verb, const Options& options, const Words& words) {
   Guest guest(options);
+  // an emergency stop does not wait to know which lab: without --run it stops every lab that hears it
+  if (verb != "estop" && !bind_to_run(guest, options)) return no_answer(options);
   if (verb == "goal") return send_goal(guest, options, words);
-  if (verb == "reset" && !bind_to_run(guest)) return no_answer(options);
   if (verb == "set") return request(guest, options, set(words.target, words.assignment));
   if (verb == "push") return request(guest, options, push(words.target, words.list, words.seconds));
   if (verb == "payload") return request(guest, options, payload(words.target, words.mass, words.com));

@@ -156,6 +156,13 @@ void Participant::note_stranger(Channel channel, const std::string& reason, Role
   fmt::print(stderr, "lab-{}: ignored {}\n", options_.name, last_rejected_);
 }
 
+/// Another lab's PROCESS, which has passed the guard's schema.
+void Participant::note_neighbour(const Datagram& datagram, Role& role) {
+  const auto process = decode<process_t>(datagram.data);
+  if (process.name == kSimulator && process.state != "STOPPING" && process.state != "FAULT")
+    role.neighbour(monotonic_now());
+}
+
 /// Whether the message comes from the process that alone may publish it. It has passed the guard.
 bool Participant::is_attributed(Channel channel, const Datagram& datagram, Role& role) {
   const Micros now = monotonic_now();
@@ -163,6 +170,7 @@ bool Participant::is_attributed(Channel channel, const Datagram& datagram, Role&
   if (channel == Channel::Process) {
     const auto process = decode<process_t>(datagram.data);
     why = publishers_.process(process.name, process.nonce, datagram.sender, now);
+    if (!why.empty()) note_neighbour(datagram, role);
   } else if (channel == Channel::Need && peek_step(datagram.data) == kBeforeStart) {
     // RUN is given to anybody
   } else if (row(channel).publisher == Publisher::Named) {
@@ -188,6 +196,7 @@ void Participant::receive(Role& role, const Datagram& datagram) {
   switch (verdict.kind) {
     case Verdict::Foreign:
       ++foreign_;
+      if (*channel == Channel::Process) note_neighbour(datagram, role);
       return;
     case Verdict::Refused:
       ++rejected_;

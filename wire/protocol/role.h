@@ -54,6 +54,8 @@ class Role {
   virtual void refused(const Refusal&, Micros) {}
   /// Takes note of a message that was dropped because its sender may not publish it.
   virtual void stranger(Channel, const std::string& /*reason*/, Micros) {}
+  /// Takes note that another lab's simulator is on the bus, with the same channels.
+  virtual void neighbour(Micros) {}
   /// Does what is due. Call it after the waiting messages were received, at wake(), and at least every kRepeat.
   virtual void tick(Micros now) = 0;
   virtual Micros wake() const = 0;

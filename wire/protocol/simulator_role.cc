@@ -117,6 +117,9 @@ std::string SimulatorRole::why_not_now(const request_t& request, Micros now) con
                          std::abs(static_cast<double>(age)) * 1e-6, age > 0 ? "behind" : "ahead of",
                          kMaxRequestAge * 1e-6);
   }
+  if (request.run == 0 && neighbour_heard_ && now - *neighbour_heard_ < kNeighbourStays)
+    return fmt::format("another lab is on this bus: say which run is meant (this one is {:016x})",
+                       static_cast<uint64_t>(config_.run_id));
   if (actions_.size() >= kMaxInputs)
     return fmt::format("busy: {} requests wait for the next step, try again", kMaxInputs);
   return {};

@@ -4,6 +4,7 @@
 #include <lab/request_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -51,13 +52,16 @@ class SimulatorRole : public Role {
  public:
   static constexpr size_t kMaxInputs = 64;              ///< INPUTs for one step; more requests are refused
   static constexpr Micros kMaxRequestAge = 10'000'000;  ///< us, either way
-  static constexpr Micros kRunAgain = 20'000;           ///< us between two answers to NEED(-1)
+  static constexpr Micros kNeighbourStays =
+      1'000'000;                               ///< us: so long after its last PROCESS it counts as there
+  static constexpr Micros kRunAgain = 20'000;  ///< us between two answers to NEED(-1)
   static constexpr int64_t kMaxSingleSteps = 1'000'000'000;
   static constexpr size_t kMaxSender = 256, kMaxReason = 1000;  ///< characters
 
   SimulatorRole(SimulatorConfig config, SimulateStep simulate, Publish publish);
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
+  void neighbour(Micros now) override { neighbour_heard_ = now; }
   void tick(Micros now) override;
   Micros wake() const override;
   void stop(Micros now) override;
@@ -106,6 +110,7 @@ class SimulatorRole : public Role {
   int64_t last_step_;                 ///< E: N, or less after a stop
   int64_t input_seq_ = 0, input_step_ = 0;
   std::vector<Action> actions_;  ///< of the INPUTs for the next step
+  std::optional<Micros> neighbour_heard_;
   bool paused_ = false;
   bool restart_requested_ = false;
   int64_t single_steps_ = 0;  ///< steps that a paused run may still take

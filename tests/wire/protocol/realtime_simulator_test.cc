@@ -228,6 +228,26 @@ TEST(RealtimeSimulatorRole, RequestsAreBoundedPerStepInAgeAndInLength) {
   EXPECT_EQ(w.count(Channel::Reply), replies);
 }
 
+TEST(RealtimeSimulatorRole, Run0MeansThisLabOnlyWhileItIsAlone) {
+  World w;
+  w.run_to(1'000'000 + 3 * kDt);
+  EXPECT_TRUE(w.request("set", 1, {1}).ok);
+  w.simulator->neighbour(w.now);
+  EXPECT_EQ(w.request("set", 2, {1}).reason,
+            "another lab is on this bus: say which run is meant (this one is 000000000000004d)");
+  EXPECT_TRUE(w.request("estop", 3).ok) << "of every lab that hears it";
+  request_t named{};
+  named.run = 77;
+  named.sender = "me";
+  named.utime = w.now + 5'000'000;
+  named.id = 4;
+  named.action.verb = "set";
+  w.simulator->receive(Channel::Request, encode(named), w.now);
+  EXPECT_TRUE(decode<reply_t>(w.last(Channel::Reply)).ok);
+  w.run_to(w.now + SimulatorRole::kNeighbourStays);
+  EXPECT_TRUE(w.request("set", 5, {1}).ok) << "the other has gone";
+}
+
 TEST(RealtimeSimulatorRole, AnEstopIsTakenWhenTheStepIsFullAndAFloodOfThemIsOne) {
   World w;
   w.run_to(1'000'000 + 3 * kDt);
