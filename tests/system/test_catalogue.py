@@ -15,7 +15,8 @@ def call(*words, **extra):
     return subprocess.run([lab.LAB, *map(str, words)], env=lab.environment(**extra), capture_output=True, text=True, timeout=lab.DEADLINE)
 
 
-@pytest.mark.parametrize("name", ["reach_ct", "stop_move_stop", "com_control", "joint_limits", "noise_and_delay", "missing_tool", "solo12_air", "tiago_arm"])
+@pytest.mark.parametrize("name", ["reach_ct", "stop_move_stop", "com_control", "joint_limits", "noise_and_delay", "missing_tool",
+                                  *[pytest.param(name, marks=pytest.mark.robots) for name in ("solo12_air", "tiago_arm")]])
 def test_processes_meet_what_is_expected(name, tmp_path):
     if name in ("solo12_air", "tiago_arm") and not lab.robots_are_here():
         pytest.skip("scripts/lab robots has not been here")

@@ -48,6 +48,7 @@ def test_a_disturbed_robot_is_the_same_robot_everywhere(tmp_path):
     assert other != wanted, "another seed, other noise"
 
 
+@pytest.mark.robots
 def test_a_robot_whose_fingers_follow_each_other(tmp_path):
     """The Panda: eight numbers for nine joints, in five processes as in one; both meet what it expects."""
     if subprocess.run([lab.LAB, "robots", "--path"], capture_output=True).returncode != 0:

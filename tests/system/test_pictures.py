@@ -1,5 +1,6 @@
 """Pictures of whole runs: the live ones are those from the log, whoever draws them; and what goes wrong is one line."""
 import re
+import pathlib
 import shutil
 import struct
 import subprocess
@@ -110,12 +111,22 @@ def test_depths_and_ids(run, tmp_path):
     assert re.match(r"0 nothing, 1 \w+, 2 \w+", read_png(tmp_path / "0000.id.png")[2]["links"])
 
 
+def test_a_video_without_ffmpeg_is_one_clear_line(run, tmp_path):
+    programs = tmp_path / "bin"
+    programs.mkdir()
+    for folder in ("/bin", "/usr/bin"):
+        for program in pathlib.Path(folder).iterdir():
+            if program.name != "ffmpeg" and not (programs / program.name).is_symlink():
+                (programs / program.name).symlink_to(program)
+    done = render(run, "--video", tmp_path / "film.mp4", before=("env", f"PATH={programs}"))
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "apt-get install ffmpeg" in done.stderr
+
+
+@pytest.mark.ffmpeg
+@pytest.mark.skipif(not shutil.which("ffmpeg"), reason="ffmpeg is not installed")
 def test_video(run, tmp_path):
     out = tmp_path / "film.mp4"
     done = render(run, "--video", out, "--fps", 10)
-    if not shutil.which("ffmpeg"):
-        assert done.returncode == 1 and done.stderr.count("\n") == 1 and "apt-get install ffmpeg" in done.stderr
-        pytest.skip("no ffmpeg here")
     assert done.returncode == 0, done.stderr
     assert [p.name for p in tmp_path.iterdir()] == ["film.mp4"]
     ask = ["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=width,height,nb_read_frames,r_frame_rate,codec_name", "-of", "csv=p=0", str(out)]

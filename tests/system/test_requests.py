@@ -242,6 +242,7 @@ def test_goal_push_and_stop_in_real_time(tmp_path):
     assert done.returncode == 1 and "the run ended at step" in done.stdout or "is not in the log" in done.stderr, done.stderr
 
 
+@pytest.mark.robots
 def test_a_goal_for_a_finger_that_follows_is_refused_by_name(tmp_path):
     if subprocess.run([lab.LAB, "robots", "--path"], capture_output=True).returncode != 0:
         pytest.skip("needs scripts/lab robots")

@@ -11,7 +11,7 @@ import labrun as lab
 RUNNERS = {"honcho": str(lab.BUILD / "pyenv" / "bin" / "honcho"), "foreman": shutil.which("foreman") or "foreman"}
 
 
-@pytest.fixture(params=list(RUNNERS))
+@pytest.fixture(params=["honcho", pytest.param("foreman", marks=pytest.mark.foreman)])
 def start(request):
     """Starts a Procfile under the runner, on a private bus."""
     program = RUNNERS[request.param]

@@ -16,6 +16,7 @@ import test_sweep
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel")
 PATH = os.environ["PATH"] + ":/usr/sbin:/sbin"
 pytestmark = [
+    pytest.mark.slurm,
     pytest.mark.skipif(any(shutil.which(name, path=PATH) is None for name in NEEDED), reason="Slurm is not installed"),
     pytest.mark.skipif(os.geteuid() != 0, reason="slurmd needs root"),
     pytest.mark.skipif("LAB_PRIVATE_NETNS" not in os.environ, reason="wants a network of its own"),

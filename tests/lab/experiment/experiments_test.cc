@@ -77,19 +77,23 @@ TEST_P(Experiments, MeetsItsExpectations) {
   if (std::getenv("LAB_VERBOSE")) std::cout << GetParam() << result.dump(1) << "\n";
 }
 
-std::vector<std::string> all_experiments() {
+/// Of robots that are there, or of those that scripts/lab robots fetches.
+std::vector<std::string> all_experiments(bool fetched) {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(kFolder))
-    if (entry.path().extension() == ".yaml" && load_experiment(entry.path()).simulator.clock == "lockstep")
-      names.push_back(entry.path().filename());
+    if (entry.path().extension() == ".yaml")
+      if (const Experiment e = load_experiment(entry.path());
+          e.simulator.clock == "lockstep" && e.robot.model.starts_with("package://") == fetched)
+        names.push_back(entry.path().filename());
   std::sort(names.begin(), names.end());
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Experiments, testing::ValuesIn(all_experiments()), [](const auto& info) {
-  std::string name = info.param.substr(0, info.param.find('.'));
-  return name;
-});
+std::string name_of(const testing::TestParamInfo<std::string>& info) {
+  return info.param.substr(0, info.param.find('.'));
+}
+INSTANTIATE_TEST_SUITE_P(All, Experiments, testing::ValuesIn(all_experiments(false)), name_of);
+INSTANTIATE_TEST_SUITE_P(Robots, Experiments, testing::ValuesIn(all_experiments(true)), name_of);
 
 // the handbook's claim: with the same gains, knowing the model is worth more than a factor of ten
 TEST(Experiments, ComputedTorqueTracksTenTimesBetterThanPd) {
