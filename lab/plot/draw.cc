@@ -9,7 +9,7 @@
 namespace lab::plot {
 namespace {
 
-using Range = std::pair<double, double>;
+using Interval = std::pair<double, double>;
 
 constexpr double kTop = 8, kRight = 14, kBottom = 36;  // px: margins around the area of the data
 constexpr double kLetter = 6.2;                        // px: about the width of a digit at 11 px
@@ -26,7 +26,7 @@ double width_of(const std::string& label) {
 }
 
 /// Around the positive values, over six decades at most.
-Range logarithmic_range(const Chart& chart) {
+Interval logarithmic_range(const Chart& chart) {
   double least = INFINITY, most = 0;
   const auto include = [&](double y) {
     if (!(y > 0) || !std::isfinite(y)) return;
@@ -44,8 +44,8 @@ Range logarithmic_range(const Chart& chart) {
 }
 
 /// Makes the ranges of an area `aspect` times as wide as high such that a length is the same on both axes.
-void equalize(Range& x, Range& y, double aspect) {
-  const auto widen = [](Range& range, double more) {
+void equalize(Interval& x, Interval& y, double aspect) {
+  const auto widen = [](Interval& range, double more) {
     if (more <= 0) return;
     range.first -= more / 2;
     range.second += more / 2;
@@ -55,16 +55,16 @@ void equalize(Range& x, Range& y, double aspect) {
   widen(y, width / aspect - height);
 }
 
-Range range_of_x(const Chart& chart) {
-  Range range = x_range(chart);
+Interval range_of_x(const Chart& chart) {
+  Interval range = x_range(chart);
   if (chart.logarithmic_x) return chart.marks.empty() ? range : padded_logarithmic(range);
   if (chart.equal || !chart.marks.empty() || range.first == range.second) return padded(range, 0.04);
   return range;
 }
 
-Range range_of_y(const Chart& chart) {
+Interval range_of_y(const Chart& chart) {
   if (chart.logarithmic_y) return logarithmic_range(chart);
-  Range range = padded(y_range(chart));
+  Interval range = padded(y_range(chart));
   if (chart.bars) range.first = 0;
   return range;
 }
@@ -78,7 +78,7 @@ struct Area {
 Area area_of(const Chart& chart) {
   const double top = kTop + (chart.marks.empty() ? 0 : 14);  // a strip at the top for marks without a value
   const double bottom = chart.height - kBottom;
-  Range x = range_of_x(chart), y = range_of_y(chart);
+  Interval x = range_of_x(chart), y = range_of_y(chart);
   // the left margin depends on the labels, and with equal lengths the labels on the margin: half a guess is enough
   double left = 46;
   for (const Tick& tick : Axis(y, chart.logarithmic_y, bottom, top).ticks(5))

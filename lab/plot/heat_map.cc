@@ -10,8 +10,8 @@
 namespace lab::plot {
 namespace {
 
-constexpr double kLeft = 84, kTop = 8, kInside = 432;  // px: margins and width of the cells
-constexpr int kWidth = 530;
+constexpr double kCellsLeft = 84, kCellsTop = 8, kCellsWidth = 432;  // px: margins and width of the cells
+constexpr int kMapWidth = 530;
 
 /// Viridis (van der Walt and Smith 2015), share 0..1: dark blue over green to yellow, also readable in grey print.
 std::string colour(double share) {
@@ -59,12 +59,12 @@ std::string colour_key(const HeatMap& map, const Axis& shade, double top) {
   constexpr int kSteps = 48;
   std::string out;
   for (int i = 0; i < kSteps; ++i)
-    out += svg::rect(kLeft + kInside * i / kSteps, top, kInside / kSteps + 0.5, 10,
+    out += svg::rect(kCellsLeft + kCellsWidth * i / kSteps, top, kCellsWidth / kSteps + 0.5, 10,
                      "fill=\"" + colour((i + 0.5) / kSteps) + "\"");
-  out += svg::text(kLeft, top + 24, page::figure(shade.low()), "start");
-  out += svg::text(kLeft + kInside, top + 24, page::figure(shade.high()), "end");
-  return out +
-         svg::text(kLeft + kInside / 2, top + 24, map.value_name + (shade.logarithmic() ? " (log)" : ""));
+  out += svg::text(kCellsLeft, top + 24, page::figure(shade.low()), "start");
+  out += svg::text(kCellsLeft + kCellsWidth, top + 24, page::figure(shade.high()), "end");
+  return out + svg::text(kCellsLeft + kCellsWidth / 2, top + 24,
+                         map.value_name + (shade.logarithmic() ? " (log)" : ""));
 }
 
 }  // namespace
@@ -72,21 +72,21 @@ std::string colour_key(const HeatMap& map, const Axis& shade, double top) {
 std::string draw(const HeatMap& map) {
   const size_t rows = map.rows.size(), columns = map.columns.size();
   const Axis shade = shades(map);
-  const double w = kInside / static_cast<double>(columns),
+  const double w = kCellsWidth / static_cast<double>(columns),
                h = std::clamp(280 / static_cast<double>(rows), 4.0, 38.0);
-  const double bottom = kTop + h * static_cast<double>(rows);
-  std::string out = svg::open(kWidth, bottom + 78, map.title);
+  const double bottom = kCellsTop + h * static_cast<double>(rows);
+  std::string out = svg::open(kMapWidth, bottom + 78, map.title);
   const size_t every_row = 1 + static_cast<size_t>(13 / h), every_column = 1 + static_cast<size_t>(44 / w);
   for (size_t r = 0; r < rows; ++r) {
     const double y = bottom - h * static_cast<double>(r + 1);  // the first value at the bottom, as in a plot
-    if (r % every_row == 0) out += svg::text(kLeft - 7, y + h / 2 + 4, map.rows[r], "end");
+    if (r % every_row == 0) out += svg::text(kCellsLeft - 7, y + h / 2 + 4, map.rows[r], "end");
     for (size_t c = 0; c < columns; ++c)
-      out += draw_cell(map.cells[r * columns + c], shade, kLeft + w * static_cast<double>(c), y, w, h);
+      out += draw_cell(map.cells[r * columns + c], shade, kCellsLeft + w * static_cast<double>(c), y, w, h);
   }
   for (size_t c = 0; c < columns; c += every_column)
-    out += svg::text(kLeft + w * (static_cast<double>(c) + 0.5), bottom + 16, map.columns[c]);
-  out += svg::text(kLeft + kInside / 2, bottom + 32, map.x_name);
-  out += svg::upright_text(14, kTop + (bottom - kTop) / 2, map.y_name);
+    out += svg::text(kCellsLeft + w * (static_cast<double>(c) + 0.5), bottom + 16, map.columns[c]);
+  out += svg::text(kCellsLeft + kCellsWidth / 2, bottom + 32, map.x_name);
+  out += svg::upright_text(14, kCellsTop + (bottom - kCellsTop) / 2, map.y_name);
   return out + colour_key(map, shade, bottom + 46) + "</svg>\n";
 }
 

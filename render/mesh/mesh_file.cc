@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxBytes = 1ull << 30;
-constexpr uint64_t kMaxTriangles = 20'000'000;
+constexpr uint64_t kMaxTrianglesInFile = 20'000'000;
 
 // assimp reads a cut ASCII STL as if it were whole, and believes counts: look before it does.
 void check_stl(const std::string& path, uint64_t size) {
@@ -199,8 +199,9 @@ class Reader {
                            {base + i[0], base + i[mirrored ? 2 : 1], base + i[mirrored ? 1 : 2]});
       soup_.triangle_look.push_back(mesh.mMaterialIndex);
     }
-    if (soup_.triangle_look.size() > kMaxTriangles)
-      throw std::runtime_error("more than " + std::to_string(kMaxTriangles) + " triangles: too many to draw");
+    if (soup_.triangle_look.size() > kMaxTrianglesInFile)
+      throw std::runtime_error("more than " + std::to_string(kMaxTrianglesInFile) +
+                               " triangles: too many to draw");
   }
 
   void walk(const aiNode& node, const aiMatrix4x4& above) {

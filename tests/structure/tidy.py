@@ -39,9 +39,10 @@ class Sources:
         with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as f:
             self.flags = {}
             for entry in json.load(f):
-                file = os.path.relpath(entry["file"], root)
-                if file.split("/")[0] in rooms.FOLDERS:
-                    self.flags[file] = flags_of(entry)
+                for file in compiled_by(entry["file"]):
+                    file = os.path.relpath(file, root)
+                    if file.split("/")[0] in rooms.FOLDERS:
+                        self.flags[file] = flags_of(entry)
         with open(os.path.join(root, ".clang-tidy"), encoding="utf-8") as f:
             self.rules = tool_version(tool) + f.read()
         self.texts, self.closures = {}, {}
@@ -73,6 +74,14 @@ class Sources:
         text = [self.rules, " ".join(self.flags[file]).replace(self.root, "")]
         text += [name + "\0" + self.text(name) for name in self.headers(file)]
         return hashlib.sha256("\0".join(text).encode()).hexdigest()
+
+
+def compiled_by(file):
+    """The sources in a compile command's file: itself, or what CMake has put together in a unity file."""
+    if "/Unity/unity_" not in file:
+        return [file]
+    with open(file, encoding="utf-8") as f:
+        return re.findall(r'^#include "(.*)"$', f.read(), re.MULTILINE)
 
 
 def flags_of(entry):

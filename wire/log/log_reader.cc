@@ -13,11 +13,11 @@
 namespace lab {
 namespace {
 
-constexpr uint8_t kMagic[4] = {0xED, 0xA1, 0xDA, 0x01};
+constexpr uint8_t kMagicBytes[4] = {0xED, 0xA1, 0xDA, 0x01};
 constexpr uint64_t kHeader = 28;
-constexpr size_t kWindow = 1 << 18;
+constexpr size_t kReadAhead = 1 << 18;
 
-bool is_magic(const uint8_t* p) { return std::memcmp(p, kMagic, sizeof kMagic) == 0; }
+bool is_magic(const uint8_t* p) { return std::memcmp(p, kMagicBytes, sizeof kMagicBytes) == 0; }
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void LogReader::seek(uint64_t offset) {
 // A view of that part of the file; null when the file ends before. Valid until the next call.
 const uint8_t* LogReader::bytes(uint64_t offset, uint64_t count) {
   if (offset >= start_ && offset + count <= start_ + filled_) return &buffer_[offset - start_];
-  const uint64_t want = std::max<uint64_t>(count, kWindow);
+  const uint64_t want = std::max<uint64_t>(count, kReadAhead);
   if (buffer_.size() < want) buffer_.resize(want);
   start_ = offset;
   filled_ = 0;
@@ -55,7 +55,7 @@ LogReader::Look LogReader::header(uint64_t offset, bool magic_needed, uint32_t& 
                                   uint32_t& data_bytes) {
   const uint8_t* p = bytes(offset, kHeader);
   if (!p) {
-    const uint8_t* start = bytes(offset, sizeof kMagic);
+    const uint8_t* start = bytes(offset, sizeof kMagicBytes);
     return start && !is_magic(start) && magic_needed ? Look::Bad : Look::Cut;
   }
   channel_bytes = load_big_endian<uint32_t>(p + 20);
@@ -73,13 +73,13 @@ LogReader::Look LogReader::look(uint64_t offset, LogEvent& event) {
   const uint64_t end = offset + kHeader + channel + data;
   const uint8_t* p = bytes(offset, end - offset);
   if (!p) return chain_inside(offset + 1) ? Look::Bad : Look::Cut;
-  const uint8_t* next = bytes(end, sizeof kMagic);
+  const uint8_t* next = bytes(end, sizeof kMagicBytes);
   if (next && !is_magic(next)) {
     // Either this event's length is damaged, or only the next one's sync word is: then a header that leads on
     // to another event stands there all the same.
     uint32_t c = 0, d = 0;
     if (header(end, false, c, d) != Look::Good) return Look::Bad;
-    const uint8_t* beyond = bytes(end + kHeader + c + d, sizeof kMagic);
+    const uint8_t* beyond = bytes(end + kHeader + c + d, sizeof kMagicBytes);
     if (!beyond || !is_magic(beyond)) return Look::Bad;
   }
   p = bytes(offset, end - offset);
@@ -99,7 +99,7 @@ bool LogReader::chain_inside(uint64_t from) {
     if (header(at, true, channel, data) != Look::Good) continue;
     const uint64_t end = at + kHeader + channel + data;
     if (!bytes(at, end - at)) continue;
-    const uint8_t* next = bytes(end, sizeof kMagic);
+    const uint8_t* next = bytes(end, sizeof kMagicBytes);
     if (!next || is_magic(next)) return true;
   }
   return false;
@@ -108,13 +108,13 @@ bool LogReader::chain_inside(uint64_t from) {
 // Offset of the next sync word at or after `from`; UINT64_MAX if there is none.
 uint64_t LogReader::find_magic(uint64_t from) {
   for (;;) {
-    if (!bytes(from, sizeof kMagic)) return UINT64_MAX;
+    if (!bytes(from, sizeof kMagicBytes)) return UINT64_MAX;
     const uint8_t* begin = &buffer_[from - start_];
     const uint8_t* end = buffer_.data() + filled_;
-    const uint8_t* at = std::search(begin, end, kMagic, kMagic + sizeof kMagic);
+    const uint8_t* at = std::search(begin, end, kMagicBytes, kMagicBytes + sizeof kMagicBytes);
     if (at != end) return start_ + static_cast<uint64_t>(at - buffer_.data());
-    from = start_ + filled_ - (sizeof kMagic - 1);
-    if (!bytes(from, sizeof kMagic)) return UINT64_MAX;
+    from = start_ + filled_ - (sizeof kMagicBytes - 1);
+    if (!bytes(from, sizeof kMagicBytes)) return UINT64_MAX;
   }
 }
 

@@ -10,7 +10,7 @@
 namespace rbd {
 namespace {
 
-constexpr const char* kName = "appendModel";
+constexpr const char* kAppendModel = "appendModel";
 
 // Joints and frames of `other` whose names would be there twice, a name once.
 std::vector<std::string> clashes(const Model& model, const Model& other, const std::string& prefix) {
@@ -33,16 +33,16 @@ void refuseClashes(const Model& model, const Model& other, const std::string& pr
   std::string list;
   for (std::size_t i = 0; i < names.size() && i < kMost; ++i) list += (i ? ", '" : "'") + names[i] + "'";
   if (names.size() > kMost) list += " and " + std::to_string(names.size() - kMost) + " more";
-  throw std::invalid_argument(std::string(kName) + ": '" + model.name + "' and '" + other.name +
+  throw std::invalid_argument(std::string(kAppendModel) + ": '" + model.name + "' and '" + other.name +
                               "' both have " + list + "; give " + (prefix.empty() ? "a" : "another") +
                               " prefix");
 }
 
 std::pair<Model, inner::CopyMap> append(const Model& model, const Model& other, FrameIndex parentFrame,
                                         const SE3& placement, const std::string& prefix) {
-  inner::checkFrame(kName, model, parentFrame);
+  inner::checkFrame(kAppendModel, model, parentFrame);
   if (!placement.translation().allFinite() || !isRotation(placement.rotation(), 1e-6)) {
-    throw std::invalid_argument(std::string(kName) +
+    throw std::invalid_argument(std::string(kAppendModel) +
                                 ": the placement is not a pose (finite translation, orthonormal rotation)");
   }
   refuseClashes(model, other, prefix);
@@ -53,7 +53,7 @@ std::pair<Model, inner::CopyMap> append(const Model& model, const Model& other, 
   plan.frame = parentFrame;
   plan.prefix = prefix;
   Model both = model;
-  inner::CopyMap map = inner::copyModel(kName, other, plan, both);
+  inner::CopyMap map = inner::copyModel(kAppendModel, other, plan, both);
   return {std::move(both), std::move(map)};
 }
 

@@ -10,7 +10,7 @@
 namespace rbd {
 namespace {
 
-constexpr const char* kName = "buildReducedModel";
+constexpr const char* kBuildReducedModel = "buildReducedModel";
 
 // Whether a joint is locked, by itself or by one that it follows.
 bool isLocked(const Model& model, const std::vector<bool>& listed, JointIndex joint) {
@@ -37,13 +37,14 @@ SE3 displacement(const JointModel& joint, const Eigen::VectorXd& numbers) {
 
 std::pair<Model, inner::CopyMap> reduce(const Model& model, const std::vector<JointIndex>& joints_to_lock,
                                         const ConstVectorRef& q) {
-  inner::checkQ(kName, "q", model, q);
-  inner::checkQuaternions(kName, model, q);
+  inner::checkQ(kBuildReducedModel, "q", model, q);
+  inner::checkQuaternions(kBuildReducedModel, model, q);
   std::vector<bool> listed(static_cast<std::size_t>(model.njoints), false);
   for (const JointIndex j : joints_to_lock) {
-    inner::checkJoint(kName, model, j);
+    inner::checkJoint(kBuildReducedModel, model, j);
     if (j == 0)
-      throw std::invalid_argument(std::string(kName) + ": joint 0 is the universe, it cannot be locked");
+      throw std::invalid_argument(std::string(kBuildReducedModel) +
+                                  ": joint 0 is the universe, it cannot be locked");
     listed[j] = true;
   }
 
@@ -56,7 +57,7 @@ std::pair<Model, inner::CopyMap> reduce(const Model& model, const std::vector<Jo
   reduced.name = model.name;
   reduced.gravity = model.gravity;
   reduced.terms = model.terms;
-  inner::CopyMap map = inner::copyModel(kName, model, plan, reduced);
+  inner::CopyMap map = inner::copyModel(kBuildReducedModel, model, plan, reduced);
   return {std::move(reduced), std::move(map)};
 }
 

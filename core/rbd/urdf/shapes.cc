@@ -26,7 +26,7 @@ struct Colors {
   std::map<std::string, Color> named;      // by name, wherever in the file it is given; the first one wins
 };
 
-SE3 pose_of(const Origin& origin) { return SE3(rpyToMatrix(origin.rpy), origin.xyz); }
+SE3 pose_of_shape(const Origin& origin) { return SE3(rpyToMatrix(origin.rpy), origin.xyz); }
 
 // The <color> inside <material>, nothing if there is none that can be read. Out-of-range parts are clamped.
 std::optional<Color> read_color(const XMLElement& material, const std::string& owner, Report& report) {
@@ -127,7 +127,7 @@ std::optional<LinkShape> read_shape(const XMLElement& element, const std::string
   const std::string tag = element.Name();
   LinkShape item;
   item.visual = tag == "visual";
-  item.object.placement = pose_of(read_origin(element.FirstChildElement("origin"), owner, report));
+  item.object.placement = pose_of_shape(read_origin(element.FirstChildElement("origin"), owner, report));
 
   const XMLElement* geometry = element.FirstChildElement("geometry");
   const XMLElement* shape = geometry ? geometry->FirstChildElement() : nullptr;

@@ -257,7 +257,7 @@ class Writer {
     }
     if (damping != 0 || friction != 0)
       text_ += "    <dynamics" + attribute("damping", damping) + attribute("friction", friction) + "/>\n";
-    if (const Mimic& mimic = model_.mimic(j); mimic.leader >= 0) {
+    if (const rbd::Mimic& mimic = model_.mimic(j); mimic.leader >= 0) {
       text_ += "    <mimic" + attribute("joint", model_.names[mimic.leader]) +
                attribute("multiplier", mimic.multiplier) + attribute("offset", mimic.offset) + "/>\n";
     }
