@@ -148,7 +148,7 @@ class Tidy(unittest.TestCase):
             f.write(text)
 
     def check(self, **options):
-        options = {"build": os.path.join(self.root, "build"), "files": [], "full": False, "changed": False, "seconds": 100, "jobs": 1, **options}
+        options = {"build": os.path.join(self.root, "build"), "files": [], "full": False, "seconds": 100, "jobs": 1, **options}
         with contextlib.redirect_stdout(io.StringIO()) as out:
             code = tidy.check(argparse.Namespace(**options), self.root, shutil.which("clang-tidy-19"))
         return code, out.getvalue().splitlines()
@@ -176,15 +176,15 @@ class Tidy(unittest.TestCase):
         self.write(".clang-tidy", "Checks: '-*,bugprone-use-after-move'\n")
         self.assertIn("tidy: 0 files were clean already, 3 checked", self.check()[1][-1])
 
-    def test_changed_are_the_files_that_differ_from_the_last_commit(self):
-        git = ["git", "-C", self.root, "-c", "user.name=x", "-c", "user.email=x@example.org"]
-        for words in (["init", "-q"], ["add", "."], ["commit", "-qm", "x"]):
-            subprocess.run(git + words, check=True)
-        self.assertIn("0 checked", self.check(changed=True)[1][-1])
+    def test_the_files_of_a_unity_file_are_checked_with_its_flags(self):
+        unity = "build/a/Unity/unity_0_cxx.cxx"
+        self.write(unity, "".join(f'#include "{self.root}/wire/a/{name}.cc"\n\n' for name in ("far", "moved")))
+        self.write("build/compile_commands.json", json.dumps([{"file": os.path.join(self.root, unity), "directory": self.root,
+                                                               "command": f"c++ -I{self.root} -std=c++20 -o x.o -c {unity}"}]))
         self.write("wire/a/moved.cc", MOVED)
-        code, out = self.check(changed=True)
-        self.assertEqual((code, len(out)), (1, 2))
-        self.assertIn("1 checked", out[-1])
+        code, out = self.check()
+        self.assertEqual((code, out[0].split(": ")[0]), (1, "wire/a/moved.cc:6:7"))
+        self.assertIn("2 checked", out[-1])
 
     def test_what_does_not_fit_into_the_time_is_left(self):
         code, out = self.check(seconds=0)

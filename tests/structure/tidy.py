@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """clang-tidy over all sources, with the checks of .clang-tidy; what is known to be clean is not checked again.
 
-usage: tidy.py [--build DIR] [--full | --changed] [--seconds S] [-j N] [FILE..]
+usage: tidy.py [--build DIR] [--full] [--seconds S] [-j N] [FILE..]
 
 Checks the sources (not the tests) that compile_commands.json of the build lists. A file is clean until its text, a header
 of the project that it includes, .clang-tidy, its compile command or clang-tidy itself changes; what is clean is
 remembered in ~/.cache/lcmlab/tidy, for every checkout. Stops after S seconds (180) and says how many files are left for
-the next run; --full goes on to the end. --changed checks only what differs from the last commit. FILE.. checks these alone. Exit 0 without findings, 1 with, 2 when it cannot run.
+the next run; --full goes on to the end. FILE.. checks these alone. Exit 0 without findings, 1 with, 2 when it cannot run.
 
 Most of clang-tidy's time goes into headers. So files with much in common are checked as one text; what does not compile
 as such a text (two files with the same name in an anonymous namespace), or has a finding in it, is checked alone.
@@ -208,8 +208,6 @@ def check(options, root, tool):
             os.unlink(os.path.join(memory, name))
     clean = len(files) - len(todo)
     changed = changed_files(root)
-    if options.changed:
-        todo = [file for file in todo if changed & set(sources.headers(file))]
     # files that differ from the last commit, then texts that were never checked, then those with a changed header
     todo.sort(key=lambda file: (file not in changed, os.path.exists(os.path.join(memory, own[file])), file))
 
@@ -254,7 +252,6 @@ def main():
     root = os.path.dirname(os.path.dirname(here))
     parser.add_argument("--build", default=os.environ.get("LAB_BUILD", os.path.join(root, "build", "release")))
     parser.add_argument("--full", action="store_true", help="no limit of time")
-    parser.add_argument("--changed", action="store_true", help="only what differs from the last commit")
     parser.add_argument("--seconds", type=float, default=180, help="stop after so long (default 180)")
     parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count(), help="so many at once")
     parser.add_argument("files", nargs="*")
