@@ -4,20 +4,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <lab/need_t.hpp>
 #include <lab/reference_t.hpp>
 #include <lab/request_t.hpp>
 #include <lab/run_t.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
 #include "core/util/json_text.h"
 #include "lab/run/run.h"
 #include "lab/run/shell.h"
+#include "procs/send/guest.h"
 #include "procs/send/send.h"
-#include "wire/bus/bus.h"
-#include "wire/process/launch_record.h"
 #include "wire/process/participant.h"
 #include "wire/protocol/convert.h"
 #include "wire/schema/codec.h"
@@ -25,117 +22,10 @@
 namespace lab::send {
 namespace {
 
-volatile sig_atomic_t interrupted = 0;
-constexpr Micros kOthersAnswerIn = 30'000;
-
-struct Options {
-  std::string url, prefix, run, run_dir;
-  double timeout = 5;
-  bool as_json = false;
-};
-
 std::string sender() {
   char host[256] = {};
   gethostname(host, sizeof host - 1);
   return fmt::format("lab-send@{}:{}:{}", host, getpid(), wall_now());
-}
-
-/// The lab's bus for a program that is not part of the run: request and answer, with a guard.
-class Guest {
- public:
-  explicit Guest(const Options& options)
-      : options_(options),
-        guard_(options.prefix),
-        until_(monotonic_now() + static_cast<Micros>(options.timeout * 1e6)),
-        record_(options.run_dir) {
-    BusOptions bus;
-    for (Channel channel : {Channel::Reply, Channel::Run, Channel::Reference})
-      bus.channels.push_back(wire_name(channel, options.prefix));
-    bus_ = open_bus(options.url, bus);
-    if (!options.run.empty())
-      guard_.set_run(run_ = static_cast<int64_t>(std::stoull(options.run, nullptr, 16)));
-  }
-  int64_t run() const { return run_; }
-  void bind(int64_t run) { guard_.set_run(run_ = run); }
-
-  using Take = std::function<bool(Channel, std::span<const uint8_t>)>;
-  /// Sends `message` every 100 ms until `take` accepts a received message; false on timeout, and after `longest`.
-  bool ask(Channel channel, const Bytes& message, const Take& take, Micros longest = kForever) {
-    const Micros until = std::min(until_, monotonic_now() + longest);
-    bool accepted = false;
-    Micros next = 0;
-    while (!accepted && !interrupted) {
-      const Micros now = monotonic_now();
-      if (now >= until) return false;
-      if (now >= next) {
-        next = now + kRepeat;
-        bus_->publish(wire_name(channel, options_.prefix), message);
-      }
-      bus_->poll(
-          std::min(next, until) - now,
-          [&](const Datagram& datagram) {
-            const auto received = channel_of(datagram.channel, options_.prefix);
-            if (!accepted && received && guard_.check(*received, datagram.data) &&
-                is_of_the_lab(*received, datagram.sender))
-              accepted = take(*received, datagram.data);
-          },
-          kNoSpin);
-    }
-    return accepted;
-  }
-
- private:
-  static constexpr Micros kForever = 1'000'000'000'000;
-
-  /// Whether the supervisor of the lab that is meant started the sender. True where there is no record to ask.
-  bool is_of_the_lab(Channel channel, uint64_t sender) {
-    if (of_the_lab_.contains({channel, sender})) return true;
-    const bool is = record_.check(kSimulator, sender) != Claim::Stranger ||
-                    (channel == Channel::Reference && record_.check(kPlanner, sender) != Claim::Stranger);
-    if (is) of_the_lab_.insert({channel, sender});
-    return is;
-  }
-
-  const Options& options_;
-  Guard guard_;
-  Micros until_;
-  int64_t run_ = 0;
-  LaunchRecord record_;
-  std::set<std::pair<Channel, uint64_t>> of_the_lab_;
-  std::unique_ptr<Bus> bus_;
-};
-
-Bytes ask_for_run(const Guest& guest) {
-  need_t need{};
-  need.run = guest.run();
-  need.step = kBeforeStart;
-  need.process = kSimulator;
-  need.sender = "lab-send";
-  return encode(need);
-}
-
-/// Binds the guest to the lab's run: the request must not reach another lab, nor, when a reply is lost, the next run. Returns
-/// false without an answer. Throws UsageError when several labs answer.
-bool bind_to_run(Guest& guest, const Options& options) {
-  if (!options.run.empty()) return true;
-  std::set<int64_t> runs;
-  const auto take = [&](Channel channel, std::span<const uint8_t> bytes) {
-    if (channel == Channel::Run) runs.insert(decode<run_t>(bytes).run);
-    return !runs.empty();
-  };
-  if (!guest.ask(Channel::Need, ask_for_run(guest), take)) return false;
-  // where no record tells the lab's simulator from others, they have a moment to answer too
-  if (options.run_dir.empty())
-    guest.ask(
-        Channel::Need, ask_for_run(guest),
-        [&](auto... received) { return take(received...) && runs.size() > 1; }, kOthersAnswerIn);
-  if (runs.size() > 1) {
-    std::string all;
-    for (const int64_t run : runs) all += fmt::format(" {:016x}", static_cast<uint64_t>(run));
-    throw UsageError("several labs are on this bus: say which with --run:" + all);
-  }
-  guest.bind(*runs.begin());
-  return true;
 }
 
 /// Mimic joints of a run's robot, each with the joint that it follows in the end.
@@ -153,7 +43,7 @@ std::map<std::string, std::string> followers_of(const run_t& run) {
 /// Receives RUN and the current reference of the joints.
 bool read_run_and_reference(Guest& guest, run_t& known, std::vector<double>& current) {
   int64_t run = 0;
-  return guest.ask(Channel::Need, ask_for_run(guest), [&](Channel channel, std::span<const uint8_t> bytes) {
+  return guest.ask(Channel::Need, guest.ask_for_run(), [&](Channel channel, std::span<const uint8_t> bytes) {
     if (channel == Channel::Run) {
       known = decode<run_t>(bytes);
       run = known.run;
@@ -309,7 +199,7 @@ int send_goal(Guest& guest, const Options& options, const Words& words) {
 int send_verb(const std::string& verb, const Options& options, const Words& words) {
   Guest guest(options);
   // an emergency stop does not wait to know which lab: without --run it stops every lab that hears it
-  if (verb != "estop" && !bind_to_run(guest, options)) return no_answer(options);
+  if (verb != "estop" && !guest.bind_to_run()) return no_answer(options);
   if (verb == "goal") return send_goal(guest, options, words);
   if (verb == "set") return request(guest, options, set(words.target, words.assignment));
   if (verb == "push") return request(guest, options, push(words.target, words.list, words.seconds));

@@ -253,3 +253,18 @@ def test_a_goal_for_a_finger_that_follows_is_refused_by_name(tmp_path):
         assert refused.returncode == 2
         assert "goal: 'panda_finger_joint2' follows 'panda_finger_joint1'; give a goal for that one" in refused.stderr
         ok(send(run, "goal", "panda_finger_joint1=0.01", "--duration", "1"))
+
+
+def test_where_two_labs_answer_a_request_must_say_which(tmp_path):
+    """Two simulators with the same channels on one bus, as on two hosts of one network."""
+    tool = str(lab.BUILD / "bin" / "lab-experiment")
+    file = lab.experiment(tmp_path)
+    for name in ("1", "2"):
+        (tmp_path / name).mkdir()
+        subprocess.run([tool, "resolve", file, "--set", f"seed={name}", "-o", str(tmp_path / name / "experiment.yaml")], check=True)
+    both = (f"for i in 1 2; do {lab.BUILD}/bin/lab-simulator --run-dir {tmp_path}/$i 2>/dev/null & done;"
+            f"until {SEND} pause 2>&1 | tee {tmp_path}/said | grep -q several; do :; done; cat {tmp_path}/said;"
+            f"run=$(sed -n 's/.*--run: *//p' {tmp_path}/said); {SEND} --run ${{run% *}} pause; echo $?")
+    done = subprocess.run([lab.ISOLATE, "bash", "-c", both], env=lab.environment(), capture_output=True, text=True, timeout=lab.DEADLINE)
+    assert "several labs are on this bus: say which with --run: " in done.stdout, done.stderr
+    assert "the run has not started" in done.stderr and done.stdout.endswith("\n7\n"), done.stderr
