@@ -223,7 +223,7 @@ struct Bench {
   std::vector<std::pair<Channel, Bytes>> sent;
   SimulatorConfig config;
   std::unique_ptr<LockstepSimulatorRole> simulator;
-  Bench() {
+  explicit Bench(int64_t last_step = 5) {
     run_t run{};
     run.run = 1;
     config.run = encode(run);
@@ -231,7 +231,7 @@ struct Bench {
     config.model_hash = 7;
     config.nq = config.nv = 2;
     config.dt = 0.01;
-    config.last_step = 5;
+    config.last_step = last_step;
     simulator = std::make_unique<LockstepSimulatorRole>(
         config, ToySimulator(), [this](Channel channel, std::span<const uint8_t> bytes) {
           sent.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
@@ -252,6 +252,27 @@ struct Bench {
     process(kPlanner, 1, 0);
     process(kController, 2, 0);
     process(kLogger, 3, 0);
+  }
+  void answer(int64_t step) {
+    reference_t reference{};
+    reference.run = 1;
+    reference.step = step;
+    reference.nq = reference.nv = 2;
+    reference.q = reference.v = reference.a = {0, 0};
+    command_t command{};
+    command.run = 1;
+    command.step = step;
+    command.nv = 2;
+    command.tau = {0, 0};
+    simulator->receive(Channel::Reference, encode(reference), 0);
+    simulator->receive(Channel::Command, encode(command), 0);
+  }
+  void ack(int64_t complete_to) {
+    ack_t ack{};
+    ack.run = 1;
+    ack.process = kLogger;
+    ack.complete_to = complete_to;
+    simulator->receive(Channel::Ack, encode(ack), 0);
   }
   int64_t count(Channel channel) const {
     return std::count_if(sent.begin(), sent.end(), [&](const auto& entry) { return entry.first == channel; });
@@ -315,12 +336,26 @@ TEST(LockstepSimulatorRole, NeedAndAckOfImpossibleStepsDoNothing) {
     bench.simulator->receive(Channel::Need, encode(need), 0);
   }
   EXPECT_EQ(bench.sent.size(), before);
-  ack_t ack{};
-  ack.run = 1;
-  ack.process = kLogger;
-  ack.complete_to = int64_t{1} << 62;  // would be credit for ever
-  bench.simulator->receive(Channel::Ack, encode(ack), 0);
+  bench.ack(int64_t{1} << 62);  // would be credit for ever
   EXPECT_EQ(bench.simulator->step(), 0);
+}
+
+// What the logger may still ask for must not be overwritten: without its ACK the run stands still after a window.
+TEST(LockstepSimulatorRole, RunsAtMostAWindowAheadOfTheLoggersAck) {
+  Bench bench(1000);
+  bench.all_ready();
+  const auto answer_all = [&] {
+    for (int64_t answered = -1; answered < bench.simulator->step();)
+      bench.answer(answered = bench.simulator->step());
+    return bench.simulator->step();
+  };
+  EXPECT_EQ(answer_all(), kBeforeStart + kWindow);
+  bench.ack(int64_t{1} << 62);  // of a step that has not been: no credit
+  EXPECT_EQ(answer_all(), kBeforeStart + kWindow);
+  bench.ack(100);
+  EXPECT_EQ(answer_all(), 100 + kWindow);
+  bench.ack(50);  // late: takes nothing back, and gives nothing
+  EXPECT_EQ(answer_all(), 100 + kWindow);
 }
 
 TEST(LockstepSimulatorRole, ARefusedCommandIsASafetyStopWhenItIsNotFinite) {
@@ -343,26 +378,12 @@ TEST(LockstepSimulatorRole, PauseStepAndResumeChangeNoBytes) {
     r.action.verb = verb;
     bench.simulator->receive(Channel::Request, encode(r), 0);
   };
-  const auto answer = [&](int64_t step) {
-    reference_t reference{};
-    reference.run = 1;
-    reference.step = step;
-    reference.nq = reference.nv = 2;
-    reference.q = reference.v = reference.a = {0, 0};
-    command_t command{};
-    command.run = 1;
-    command.step = step;
-    command.nv = 2;
-    command.tau = {0, 0};
-    bench.simulator->receive(Channel::Reference, encode(reference), 0);
-    bench.simulator->receive(Channel::Command, encode(command), 0);
-  };
   request("pause");
-  answer(0);
+  bench.answer(0);
   EXPECT_EQ(bench.simulator->step(), 0);
   request("step");
   EXPECT_EQ(bench.simulator->step(), 1);
-  answer(1);
+  bench.answer(1);
   EXPECT_EQ(bench.simulator->step(), 1);
   request("resume");
   EXPECT_EQ(bench.simulator->step(), 2);
