@@ -120,9 +120,12 @@ TEST_F(RealtimeController, AnswersTheNewestStateWithAFreshReferenceOnly) {
   role.receive(Channel::RobotState, state(2), 1500);
   EXPECT_EQ(role.late(), 1);
 
-  role.receive(Channel::RobotState, state(23), 23'000);  // the reference is 20 steps old
+  role.receive(Channel::RobotState, state(22), 22'000);  // the reference is 19 steps old
+  role.tick(22'000);
+  EXPECT_EQ(sent.all<command_t>(Channel::Command).size(), 2u);
+  role.receive(Channel::RobotState, state(23), 23'000);  // 20 steps: safety.timeout
   role.tick(23'000);
-  EXPECT_EQ(sent.all<command_t>(Channel::Command).size(), 1u);
+  EXPECT_EQ(sent.all<command_t>(Channel::Command).size(), 2u);
   EXPECT_EQ(role.state(), "HOLDING");
 }
 
