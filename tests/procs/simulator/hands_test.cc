@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "procs/simulator/simulator.h"
@@ -66,6 +67,45 @@ TEST(Hands, HoldingBringsTheRobotToRestAndKeepsItThere) {
   for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(state.robot.v[i]), 1e-6);
   for (int k = 0; k < 1000; ++k) step(config, state, {});
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(state.robot.q[i], q[i], 1e-6);
+}
+
+// Two roads to the effort M (-v / 0.1 s) + nle: here by the mass matrix. Limits are not symmetric.
+TEST(Hands, TheHoldingEffortStaysWithinTheEffortLimits) {
+  rbd::Model model = arm();
+  model.lowerEffortLimit.setConstant(-30);
+  model.upperEffortLimit.setConstant(20);
+  const Config config = make_config(live(), model);
+  rbd::Data data(config.model);
+  int below = 0, within = 0, above = 0;
+  for (const double speed : {-20.0, 20.0, 0.1}) {
+    State state = initial(config);
+    state.robot.v.setConstant(speed);
+    const Eigen::VectorXd q = state.robot.q, v = state.robot.v;
+    const Eigen::VectorXd wanted = rbd::crba(config.model, data, q) * Eigen::VectorXd(-v / 0.1) +
+                                   rbd::nonLinearEffects(config.model, data, q, v);
+    const Output out = step(config, state, {});
+    ASSERT_EQ(out.mode, safety::Mode::Waiting);
+    for (int i = 0; i < 6; ++i) {
+      (wanted[i] < -30 ? below : wanted[i] > 20 ? above : within)++;
+      // rounding: efforts before clamping are below 1e5 Nm
+      EXPECT_NEAR(out.state.tau[i], std::min(std::max(wanted[i], -30.0), 20.0), 1e-9) << speed << " " << i;
+    }
+  }
+  EXPECT_TRUE(below > 0 && within > 0 && above > 0) << below << " " << within << " " << above;
+}
+
+TEST(Hands, AFloatingBaseHasNothingThatCouldHoldIt) {
+  rbd::Model model;
+  rbd::buildModels::humanoid(model);
+  Experiment e;
+  e.simulator.clock = "realtime";
+  e.simulator.allow_fall = true;
+  const Config config = make_config(e, model);
+  State state = initial(config);
+  state.robot.v.setConstant(0.3);
+  const Output out = step(config, state, {});
+  EXPECT_EQ(out.state.tau.head(6), Eigen::VectorXd::Zero(6));
+  EXPECT_GT(out.state.tau.tail(model.nv - 6).norm(), 0) << "its joints are held";
 }
 
 TEST(Hands, WhateverTheControllerWantsSpeedAndEffortStayInsideTheirLimits) {
