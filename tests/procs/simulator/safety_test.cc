@@ -62,6 +62,30 @@ TEST(Safety, AFrozenReplayedOrFutureCommandIsStale) {
   EXPECT_EQ(m.state.newest, frozen);
 }
 
+// Each bound of freshness by itself: newer than all before it, of a state that exists, younger than the timeout.
+TEST(Safety, FreshBeginsAndEndsWhereThePageSays) {
+  const State state{.mode = Mode::Running, .newest = 100};
+  EXPECT_FALSE(fresh(kAuto, state, 110, 100)) << "the same state again";
+  EXPECT_TRUE(fresh(kAuto, state, 110, 101));
+  EXPECT_TRUE(fresh(kAuto, state, 110, 109));
+  EXPECT_FALSE(fresh(kAuto, state, 110, 110)) << "not published yet";
+  EXPECT_TRUE(fresh(kAuto, state, 200, 181));
+  EXPECT_FALSE(fresh(kAuto, state, 200, 180)) << "exactly the timeout old";
+}
+
+TEST(Safety, ARepeatedCommandCountsOnceTowardsTheTwenty) {
+  Machine m(kAuto);
+  m.commanded(1);
+  while (m.next() == Mode::Running) {
+  }
+  for (int i = 0; i < 19; ++i) {
+    EXPECT_EQ(m.next(1), Mode::Holding);
+    EXPECT_EQ(m.next(2), Mode::Holding) << "the one before, again";
+  }
+  EXPECT_EQ(m.state.fresh_in_a_row, 19);
+  EXPECT_EQ(m.next(1), Mode::Running);
+}
+
 TEST(Safety, AutoEndsHoldingAfterTwentyFreshInARow) {
   Machine m(kAuto);
   m.commanded(1);
