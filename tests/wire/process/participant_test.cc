@@ -1,0 +1,84 @@
+// The shell around a role, on a bus inside this process (memq://), on which it hears what it says itself.
+#include "wire/process/participant.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <lab/command_t.hpp>
+
+#include "wire/schema/codec.h"
+
+namespace lab {
+namespace {
+
+constexpr int64_t kRun = 77, kNonce = 42, kStep = 10;
+
+/// A role of a running lab that sends what it is told, until `done` says so or ten seconds are over.
+class Script : public Role {
+ public:
+  void receive(Channel channel, std::span<const uint8_t> bytes, Micros) override {
+    heard.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
+  }
+  void tick(Micros now) override {
+    if (begun_ == 0) {
+      begun_ = now;
+      send();
+    }
+    if (done() || now - begun_ > 10'000'000) outcome_.ended = true;
+  }
+  Micros wake() const override { return INT64_MAX; }
+  void stop(Micros) override { outcome_.ended = true; }
+  const Outcome& outcome() const override { return outcome_; }
+  std::string state() const override { return "RUNNING"; }
+  int64_t step() const override { return kStep; }
+  int64_t run() const override { return kRun; }
+  int64_t model_hash() const override { return 5; }
+  int nq() const override { return 1; }
+  int nv() const override { return 1; }
+
+  std::function<void()> send = [] {};
+  std::function<bool()> done = [] { return true; };
+  std::vector<std::pair<Channel, Bytes>> heard;
+
+ private:
+  Outcome outcome_;
+  Micros begun_ = 0;
+};
+
+class ParticipantTest : public testing::Test {
+ protected:
+  ParticipantTest() {
+    setenv("LAB_LAUNCH", std::to_string(kNonce).c_str(), 1);
+    for (const char* name : {"LAB_RUN_DIR", "LAB_GUESTS", "LAB_BUS", "LAB_FAULT_DROP"}) unsetenv(name);
+    participant_ = std::make_unique<Participant>(
+        ParticipantOptions{.name = kSimulator, .url = "memq://", .prefix = "", .channels = {}});
+    publish_ = participant_->publish();
+  }
+  static Bytes command(int64_t step, double tau, int64_t run = kRun) {
+    command_t m{};
+    m.run = run;
+    m.step = m.state_step = step;
+    m.nv = 1;
+    m.tau = {tau};
+    return encode(m);
+  }
+
+  std::unique_ptr<Participant> participant_;
+  Publish publish_;
+  Script role_;
+};
+
+// What the guard would refuse from others is not sent either: the process ends instead.
+TEST_F(ParticipantTest, RefusesToSendAnInvalidMessage) {
+  EXPECT_NO_THROW(publish_(Channel::Command, command(kStep, 1)));
+  EXPECT_THROW(publish_(Channel::Command, command(kStep, NAN)), PublishRefused);
+  EXPECT_THROW(publish_(Channel::Reference, command(kStep, 1)), PublishRefused)
+      << "of another channel's type";
+  role_.send = [&] { publish_(Channel::Command, command(kStep, INFINITY)); };
+  EXPECT_EQ(participant_->run(role_), kSafety);
+}
+
+}  // namespace
+}  // namespace lab
