@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <functional>
 #include <lab/command_t.hpp>
+#include <lab/process_t.hpp>
 
 #include "wire/schema/codec.h"
 
@@ -65,6 +66,23 @@ class ParticipantTest : public testing::Test {
     return encode(m);
   }
 
+  static Bytes process(const char* name, int64_t nonce) {
+    process_t m{};
+    m.run = kRun;
+    m.step = kBeforeStart;
+    m.name = name;
+    m.nonce = nonce;
+    m.state = "READY";
+    return encode(m);
+  }
+  /// The newest PROCESS of this name that the role was given.
+  process_t newest(const std::string& name) const {
+    process_t found{};
+    for (const auto& [channel, bytes] : role_.heard)
+      if (channel == Channel::Process && decode<process_t>(bytes).name == name) decode(bytes, found);
+    return found;
+  }
+
   std::unique_ptr<Participant> participant_;
   Publish publish_;
   Script role_;
@@ -78,6 +96,20 @@ TEST_F(ParticipantTest, RefusesToSendAnInvalidMessage) {
       << "of another channel's type";
   role_.send = [&] { publish_(Channel::Command, command(kStep, INFINITY)); };
   EXPECT_EQ(participant_->run(role_), kSafety);
+}
+
+// Another run's message and another launch's process are dropped, and PROCESS says how many.
+TEST_F(ParticipantTest, CountsForeignMessagesInItsProcess) {
+  role_.send = [&] {
+    publish_(Channel::Command, command(kStep, 1, kRun + 1));
+    publish_(Channel::Process, process(kLogger, kNonce + 1));
+    publish_(Channel::Process, process(kLogger, kNonce + 2));
+  };
+  role_.done = [&] { return newest(kSimulator).foreign >= 3; };
+  EXPECT_EQ(participant_->run(role_), kOk);
+  EXPECT_EQ(newest(kSimulator).foreign, 3);
+  EXPECT_EQ(newest(kSimulator).rejected, 0);
+  EXPECT_EQ(newest(kSimulator).last_rejected, "PROCESS: a logger of another lab");
 }
 
 }  // namespace
