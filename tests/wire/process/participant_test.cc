@@ -112,5 +112,19 @@ TEST_F(ParticipantTest, CountsForeignMessagesInItsProcess) {
   EXPECT_EQ(newest(kSimulator).last_rejected, "PROCESS: a logger of another lab");
 }
 
+// The logger of another launch is READY, which is no news for this one.
+TEST_F(ParticipantTest, OnlyProcessesOfThisLaunchReachTheRole) {
+  role_.send = [&] {
+    publish_(Channel::Process, process(kLogger, kNonce + 1));
+    publish_(Channel::Process, process(kController, 0));
+    publish_(Channel::Process, process(kPlanner, kNonce));
+  };
+  role_.done = [&] { return newest(kPlanner).state == "READY"; };
+  EXPECT_EQ(participant_->run(role_), kOk);
+  EXPECT_EQ(newest(kPlanner).state, "READY");
+  EXPECT_EQ(newest(kLogger).state, "");
+  EXPECT_EQ(newest(kController).state, "") << "no nonce is another nonce, except a guest's";
+}
+
 }  // namespace
 }  // namespace lab
