@@ -8,7 +8,10 @@
 #include <functional>
 #include <lab/command_t.hpp>
 #include <lab/process_t.hpp>
+#include <lab/reference_t.hpp>
+#include <lab/robot_state_t.hpp>
 
+#include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
 
 namespace lab {
@@ -53,8 +56,11 @@ class ParticipantTest : public testing::Test {
   ParticipantTest() {
     setenv("LAB_LAUNCH", std::to_string(kNonce).c_str(), 1);
     for (const char* name : {"LAB_RUN_DIR", "LAB_GUESTS", "LAB_BUS", "LAB_FAULT_DROP"}) unsetenv(name);
+    become(kSimulator);
+  }
+  void become(const char* name) {
     participant_ = std::make_unique<Participant>(
-        ParticipantOptions{.name = kSimulator, .url = "memq://", .prefix = "", .channels = {}});
+        ParticipantOptions{.name = name, .url = "memq://", .prefix = "", .channels = {}});
     publish_ = participant_->publish();
   }
   static Bytes command(int64_t step, double tau, int64_t run = kRun) {
@@ -66,6 +72,22 @@ class ParticipantTest : public testing::Test {
     return encode(m);
   }
 
+  static Bytes reference(int64_t step) {
+    reference_t m{};
+    m.run = kRun;
+    m.step = step;
+    m.nq = m.nv = 1;
+    m.q = m.v = m.a = {0};
+    return encode(m);
+  }
+  static Bytes state(int64_t step) {
+    robot_state_t m{};
+    m.run = kRun;
+    m.step = step;
+    m.nq = m.nv = 1;
+    m.q = m.v = m.tau = {0};
+    return encode(m);
+  }
   static Bytes process(const char* name, int64_t nonce) {
     process_t m{};
     m.run = kRun;
@@ -80,6 +102,13 @@ class ParticipantTest : public testing::Test {
     process_t found{};
     for (const auto& [channel, bytes] : role_.heard)
       if (channel == Channel::Process && decode<process_t>(bytes).name == name) decode(bytes, found);
+    return found;
+  }
+  /// The steps of the messages on a channel that the role was given.
+  std::vector<int64_t> steps(Channel of) const {
+    std::vector<int64_t> found;
+    for (const auto& [channel, bytes] : role_.heard)
+      if (channel == of) found.push_back(peek_step(bytes));
     return found;
   }
 
@@ -124,6 +153,37 @@ TEST_F(ParticipantTest, OnlyProcessesOfThisLaunchReachTheRole) {
   EXPECT_EQ(newest(kPlanner).state, "READY");
   EXPECT_EQ(newest(kLogger).state, "");
   EXPECT_EQ(newest(kController).state, "") << "no nonce is another nonce, except a guest's";
+}
+
+// The simulator knows the last ROBOT_STATE as its own step.
+TEST_F(ParticipantTest, AnswersMoreThanAWindowAheadAreRefused) {
+  role_.send = [&] {
+    for (const int64_t step : {kStep + kWindow + 1, int64_t{1} << 62, kStep + kWindow}) {
+      publish_(Channel::Command, command(step, 1));
+      publish_(Channel::Reference, reference(step));
+    }
+  };
+  role_.done = [&] { return newest(kSimulator).rejected >= 4; };
+  EXPECT_EQ(participant_->run(role_), kOk);
+  EXPECT_EQ(steps(Channel::Command), std::vector<int64_t>{kStep + kWindow});
+  EXPECT_EQ(steps(Channel::Reference), std::vector<int64_t>{kStep + kWindow});
+  EXPECT_EQ(newest(kSimulator).rejected, 4);
+  EXPECT_EQ(newest(kSimulator).last_rejected, "REFERENCE: step 4611686018427387904, ROBOT_STATE is at 10");
+}
+
+// The others know it from what they hear; before the first one nothing is too far ahead.
+TEST_F(ParticipantTest, TheWindowOfTheOthersFollowsRobotState) {
+  become(kController);
+  role_.send = [&] {
+    publish_(Channel::Reference, reference(5000));
+    for (const int64_t step : {100, 90}) publish_(Channel::RobotState, state(step));  // 90 comes late
+    publish_(Channel::Reference, reference(100 + kWindow));
+    publish_(Channel::Reference, reference(100 + kWindow + 1));
+  };
+  role_.done = [&] { return newest(kController).rejected >= 1; };
+  EXPECT_EQ(participant_->run(role_), kOk);
+  EXPECT_EQ(steps(Channel::Reference), (std::vector<int64_t>{5000, 100 + kWindow}));
+  EXPECT_EQ(newest(kController).rejected, 1);
 }
 
 }  // namespace
