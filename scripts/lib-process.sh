@@ -119,8 +119,7 @@ to_be_restarted() { # NAME CODE
   if [ "$lived" -ge 10000 ]; then short[$name]=0; else short[$name]=$((${short[$name]:-0} + 1)); fi
   [ "${short[$name]}" -le "${cap[$name]:-10}" ] || return 1
   if [ "$lived" -lt 1000 ]; then
-    wait=$((100 << (short[$name] - 1)))
-    [ "$wait" -le 5000 ] || wait=5000
+    if [ "${short[$name]}" -le 6 ]; then wait=$((100 << (short[$name] - 1))); else wait=5000; fi
   fi
   due[$name]=$((t + wait))
 }

@@ -211,6 +211,47 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   [ $((10#${at[2]} - 10#${at[1]})) -ge 20 ]
 }
 
+@test "back-off is at most 5 s however often a process fails, and begins anew after 10 s of life" {
+  local -A policy=([a]=always) cap=([a]=100) asked=() due=() short=() began_at=()
+  local stage=0 interrupted='' t=1000000 waits=() wait
+  now() { :; } # the time is ours
+  # shellcheck source=scripts/lib-process.sh
+  . "$ROOT/scripts/lib-process.sh"
+  ends_after() { # MS: when it is due again, in ms from then
+    began_at[a]=$((t - $1))
+    to_be_restarted a 1
+    wait=$((due[a] - t))
+  }
+  for _ in {1..90}; do ends_after 10 && waits+=("$wait"); done
+  [ "${waits[*]:0:8}" = "100 200 400 800 1600 3200 5000 5000" ]
+  [ "$(printf '%s\n' "${waits[@]:8}" | sort -u)" = 5000 ]
+  ends_after 1000 # long enough not to wait, but not to be forgiven
+  [ "$wait" -eq 0 ]
+  ends_after 9990
+  ends_after 999
+  [ "$wait" -eq 5000 ]
+  ends_after 10000
+  [ "$wait" -eq 0 ]
+  ends_after 999
+  [ "$wait" -eq 100 ]
+}
+
+@test "the cap counts only failures in a row of less than 10 s of life" {
+  local -A policy=([a]=always) cap=([a]=2) asked=() due=() short=() began_at=([a]=0)
+  local stage=0 interrupted='' t=500
+  now() { :; }
+  # shellcheck source=scripts/lib-process.sh
+  . "$ROOT/scripts/lib-process.sh"
+  to_be_restarted a 1
+  to_be_restarted a 1
+  t=10000 # it has lived
+  to_be_restarted a 1
+  t=500
+  to_be_restarted a 1
+  to_be_restarted a 1
+  if to_be_restarted a 1; then false; fi
+}
+
 @test "RESTART and STOP by the FIFO; 0 after STOP, and the FIFO is gone" {
   supervise_in_background "simulator: echo up; $nap; : $mark" "planner: echo up; $nap; : $mark"
   eventually 10 test -s "$group/planner.log"
