@@ -109,6 +109,16 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   eventually 2 gone
 }
 
+@test "a process that ignores INT and TERM is killed, after the time that each had" {
+  run supervise "#lab: planner finish=0" \
+    "planner: trap '' INT TERM; echo up; while :; do read -rt 1 <> <(:); done; : $mark" \
+    "simulator: until [ -s $group/planner.log ]; do read -rt 0.05 <> <(:); done; : $mark"
+  [ "$status" -eq 0 ]
+  [ "$(sed -n 's/.* send \([A-Z]*\) to planner/\1/p' "$group/supervisor.log" | xargs)" = "INT TERM KILL" ]
+  grep -q 'exit planner 137' "$group/supervisor.log"
+  eventually 2 gone
+}
+
 @test "a process that was frozen hears the stop" {
   run supervise "simulator: $nap; : $mark" "planner: trap 'echo heard; exit 0' INT; kill -STOP \$\$; $nap; : $mark" \
     "controller: read -rt 0.3 <> <(:); exit 1 # $mark"
