@@ -139,6 +139,8 @@ TEST(RealtimeSimulatorRole, TheNewestCommandIsUsedOnceAndOldOnesNever) {
   w.command(10);
   w.command(8);
   w.command(11);  // 11 is of the future
+  w.command(10);  // doubled on the way
+  EXPECT_EQ(w.simulator->late(), 3);
   w.run_to(w.now + 3 * kDt);
   EXPECT_EQ((std::vector<int64_t>(w.used.end() - 3, w.used.end())), (std::vector<int64_t>{10, -1, -1}));
 }
