@@ -180,6 +180,14 @@ bool Participant::is_attributed(Channel channel, const Datagram& datagram, Role&
   return why.empty();
 }
 
+/// Once the role knows its run, both guards compare messages with it.
+void Participant::bind(const Role& role) {
+  if (role.run() == incoming_.run()) return;
+  incoming_.set_run(role.run());
+  incoming_.set_sizes(role.nq(), role.nv());
+  outgoing_.set_sizes(role.nq(), role.nv());
+}
+
 void Participant::receive(Role& role, const Datagram& datagram) {
   const auto channel = channel_of(datagram.channel, options_.prefix);
   if (!channel) return;
@@ -219,11 +227,7 @@ void Participant::receive(Role& role, const Datagram& datagram) {
   if (*channel == Channel::RobotState) newest_state_ = std::max(newest_state_, verdict.head.step);
   ++received_;
   role.receive(*channel, datagram.data, monotonic_now());
-  if (role.run() != incoming_.run()) {
-    incoming_.set_run(role.run());
-    incoming_.set_sizes(role.nq(), role.nv());
-    outgoing_.set_sizes(role.nq(), role.nv());
-  }
+  bind(role);
 }
 
 int Participant::run(Role& role) {
@@ -235,10 +239,7 @@ int Participant::run(Role& role) {
     return exit_code;
   };
   try {
-    if (role.run() != 0) {
-      incoming_.set_run(role.run());
-      incoming_.set_sizes(role.nq(), role.nv());
-    }
+    bind(role);
     publish_process(role, role.state());  // before any other message of ours: it tells the others our address
     while (!role.outcome().ended) {
       const Micros before = monotonic_now();

@@ -33,6 +33,7 @@ class Participant {
 
  private:
   void receive(Role& role, const Datagram& datagram);
+  void bind(const Role& role);
   void note_neighbour(const Datagram& datagram, Role& role);
   bool is_attributed(Channel channel, const Datagram& datagram, Role& role);
   void note_stranger(Channel channel, const std::string& reason, Role& role);

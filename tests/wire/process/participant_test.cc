@@ -127,6 +127,17 @@ TEST_F(ParticipantTest, RefusesToSendAnInvalidMessage) {
   EXPECT_EQ(participant_->run(role_), kSafety);
 }
 
+// The role knows its robot from the start, as the simulator does.
+TEST_F(ParticipantTest, RefusesToSendTheSizesOfAnotherRobot) {
+  role_.send = [&] {
+    command_t two = decode<command_t>(command(kStep, 1));
+    two.nv = 2;
+    two.tau = {1, 1};
+    publish_(Channel::Command, encode(two));
+  };
+  EXPECT_EQ(participant_->run(role_), kSafety);
+}
+
 // Another run's message and another launch's process are dropped, and PROCESS says how many.
 TEST_F(ParticipantTest, CountsForeignMessagesInItsProcess) {
   role_.send = [&] {
