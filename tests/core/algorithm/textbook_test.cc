@@ -77,6 +77,32 @@ TEST(Textbook, PendulumWithRotor) {
   EXPECT_NEAR(aba(model, data, q, zero, zero)[0], -2 * 9.81 * 0.5 * std::sin(0.3) / (2 * 0.25 + 0.1), 1e-14);
 }
 
+// A motor that turns n times while its joint turns once, in whichever sense, has the energy J (n qd)^2 / 2: M gains n^2 J.
+// Numbers of at most 20 after a handful of roundings: 1e-14.
+TEST(Textbook, PendulumWithAGearedMotor) {
+  const Eigen::VectorXd q = Eigen::VectorXd::Constant(1, 0.3), zero = Eigen::VectorXd::Zero(1),
+                        v = Eigen::VectorXd::Constant(1, 1.5), a = Eigen::VectorXd::Constant(1, 2);
+  const double weight = 2 * 9.81 * 0.5 * std::sin(0.3), alone = 2 * 0.25;
+  for (const double ratio : {50.0, -50.0, 0.5}) {
+    Model model;
+    model.addJoint(0, JointModelRX(), SE3(), "swing");
+    model.appendBodyToJoint(1, Inertia(2, Eigen::Vector3d(0, 0, -0.5), Eigen::Matrix3d::Zero()));
+    model.rotorInertia[0] = 1e-3;
+    model.rotorGearRatio[0] = ratio;
+    for (const bool rotor : {true, false}) {
+      model.terms.rotor = rotor;
+      const double M = alone + (rotor ? ratio * ratio * 1e-3 : 0);
+      Data data(model);
+      EXPECT_NEAR(crba(model, data, q)(0, 0), M, 1e-14) << ratio;
+      EXPECT_NEAR(computeMinverse(model, data, q)(0, 0), 1 / M, 1e-14) << ratio;
+      EXPECT_NEAR(rnea(model, data, q, v, a)[0], M * 2 + weight, 1e-14) << ratio;
+      EXPECT_NEAR(aba(model, data, q, v, zero)[0], -weight / M, 1e-14) << ratio;
+      EXPECT_NEAR(computeKineticEnergy(model, data, q, v), M * 1.5 * 1.5 / 2, 1e-14) << ratio;
+      EXPECT_NEAR(nonLinearEffects(model, data, q, v)[0], weight, 1e-14) << ratio;
+    }
+  }
+}
+
 TEST(Textbook, LiftHoldsItsWeight) {
   Model model;
   model.addJoint(0, JointModelPZ(), SE3(), "lift");
