@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "lab/experiment/actions.h"
 #include "procs/planner/planner.h"
 
 namespace lab::planner {
@@ -152,6 +153,56 @@ TEST(PlannerLive, WhoJoinsARunUnderWayStartsFromTheRobot) {
   EXPECT_EQ(f.next().q, f.robot.q);
   for (int k = 0; k < 5000; ++k) f.next();
   EXPECT_LT(f.last.q.norm(), 10);
+}
+
+// From 0 with speed v back to 0 at rest, a quintic of T seconds goes v T (x - 6 x^3 + 8 x^4 - 3 x^5): at x = 1/3, where its
+// slope (1 - x)^2 (1 - 3 x) (1 + 5 x) is 0, it is 16/81 v T away.
+TEST(PlannerLive, AWayThatLeavesOneLimitIsRefused) {
+  for (const double side : {-1.0, 1.0}) {
+    rbd::Model model = arm();
+    (side < 0 ? model.lowerPositionLimit : model.upperPositionLimit)[0] = side * 0.35;
+    Experiment e;
+    e.simulator.duration = 100;
+    e.planner.kind = "sinusoid";
+    e.planner.amplitude.value = JointValues::Named{{"joint1_base_yaw", side * 0.3}};
+    const Config config = make_config(e, model);  // 0.3 rad/s at the start
+    const double longest = 0.35 / (16. / 81 * 0.3);
+    for (const double share : {0.98, 1.02}) {
+      State state = initial(config);
+      const std::string duration = std::to_string(share * longest);
+      const std::vector<Action> actions{{"goal", "", "duration", duration, std::vector<double>(6)}};
+      const Output out = step(config, state, {.step = 0, .actions = actions});
+      EXPECT_EQ(out.events.empty(), share < 1) << side << " " << share;
+      double farthest = 0;
+      for (int64_t k = 1; k < 8000; ++k)
+        farthest = std::max(farthest, side * step(config, state, {.step = k}).reference.q[0]);
+      EXPECT_NEAR(farthest, share < 1 ? share * 0.35 : 0.3, 1e-6);  // else it goes on swinging
+    }
+  }
+}
+
+TEST(PlannerLive, AGoalBeyondOneLimitIsRefusedByTheDoorAndByThePlanner) {
+  rbd::Model model = arm();
+  model.lowerPositionLimit[1] = -0.75;
+  model.upperPositionLimit[1] = 0.5;
+  const Experiment e;
+  const Config config = make_config(e, model);
+  const auto door = [&](double q) { return why_not(e, model, {"goal", "", "", "", {0, q, 0, 0, 0, 0}}); };
+  const auto planner = [&](double q) {
+    State state = initial(config);
+    const std::vector<Action> actions{{"goal", "", "", "", {0, q, 0, 0, 0, 0}}};
+    const Output out = step(config, state, {.step = 1, .actions = actions});
+    return out.events.empty() ? "" : out.events[0].why;
+  };
+  for (const auto& [q, text] : {std::pair(-0.875, "-0.875"), {0.625, "0.625"}}) {
+    EXPECT_EQ(door(q),
+              std::string("goal of joint 'joint2_shoulder' is ") + text + ", its limits are -0.75 .. 0.5");
+    EXPECT_NE(planner(q).find("would leave the joints' limits"), std::string::npos) << planner(q);
+  }
+  for (const double q : {-0.75, 0.5}) {
+    EXPECT_EQ(door(q), "");
+    EXPECT_EQ(planner(q), "");
+  }
 }
 
 }  // namespace

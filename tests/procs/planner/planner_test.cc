@@ -153,5 +153,41 @@ TEST(Planner, UnknownActionsAreSaid) {
   EXPECT_EQ(out.events[0].why, "'goal': has 1 values, expected 6");
 }
 
+// Both ends of the swing, each alone beyond a limit by 0.1, and both within: the swing of every joint is offset -+ |amplitude|.
+TEST(Planner, ASwingBeyondOneLimitIsRefused) {
+  Experiment e = reach("sinusoid");
+  e.file = "x.yaml";
+  e.planner.phase = {};
+  for (const double amplitude : {0.5, -0.5}) {
+    e.planner.amplitude.value = JointValues::Named{{"joint2_shoulder", amplitude}};
+    const auto refused = [&](double offset) {
+      rbd::Model model = arm();
+      model.lowerPositionLimit[1] = -0.75;
+      model.upperPositionLimit[1] = 0.75;
+      e.planner.offset.value = JointValues::Named{{"joint2_shoulder", offset}};
+      return refusal(e, model);
+    };
+    const std::string who = "x.yaml: planner.amplitude: joint 'joint2_shoulder' would swing over ";
+    EXPECT_EQ(refused(-0.375), who + "-0.875 .. 0.125; its limits are -0.75 .. 0.75");
+    EXPECT_EQ(refused(0.375), who + "-0.125 .. 0.875; its limits are -0.75 .. 0.75");
+    for (const double offset : {-0.25, 0.25}) EXPECT_EQ(refused(offset), "accepted");
+  }
+}
+
+TEST(Planner, AStartOrAGoalBelowALimitIsRefused) {
+  rbd::Model model = arm();
+  model.lowerPositionLimit[1] = -0.75;
+  model.upperPositionLimit[1] = 0.75;
+  Experiment e = reach("cubic");
+  e.file = "x.yaml";
+  const std::string why = ": joint 'joint2_shoulder' cannot be at -0.875; its limits are -0.75 .. 0.75";
+  e.planner.goal.value = JointValues::Named{{"joint2_shoulder", -0.875}};
+  EXPECT_EQ(refusal(e, model), "x.yaml: planner.goal" + why);
+  e.planner.goal.value = JointValues::Named{{"joint2_shoulder", -0.75}};
+  EXPECT_EQ(refusal(e, model), "accepted");
+  e.simulator.q0.value = JointValues::Named{{"joint2_shoulder", -0.875}};
+  EXPECT_EQ(refusal(e, model), "x.yaml: simulator.q0" + why);
+}
+
 }  // namespace
 }  // namespace lab::planner
