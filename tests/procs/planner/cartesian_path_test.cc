@@ -188,6 +188,52 @@ TEST(CartesianPath, DurationZeroIsTheShortestWithinTheShare) {
   EXPECT_GE(speed, 0.3 * 0.998);  // the margin of sampling is 0.1 %
 }
 
+// The same for the acceleration, with a bound so low that speeds do not matter.
+TEST(CartesianPath, DurationZeroIsTheShortestWithinTheBoundOfAcceleration) {
+  for (const char* kind : {"line", "circle"}) {
+    Experiment e = path(kind, true);
+    e.planner.duration = 0;
+    e.planner.acceleration.value = std::vector<double>{0.1, 0.2, 0.3, 0.15, 0.25, 0.3};
+    const Config c = make_config(e, arm());
+    double most = 0, speed = 0;
+    for (double t = 0; t < c.motion->duration; t += 0.001) {
+      const Reference r = at(c, t);
+      most = std::max(most, largest_share(r.a, c.a_max));
+      speed = std::max(speed, largest_share(r.v, c.v_max));
+    }
+    EXPECT_LE(most, 1) << kind;
+    EXPECT_GE(most, 0.998) << kind;  // the margin of sampling is 0.1 %
+    EXPECT_LT(speed, 0.9 * c.speed) << kind;
+  }
+}
+
+// Only the first joints move the middle of the wrist; those of the wrist only turn it. So the frame there is on its path with
+// few pieces, and still turns too far between the knots.
+TEST(CartesianPath, AFrameInTheMiddleOfTheWristKeepsItsOrientationToo) {
+  const struct {
+    const char* kind;
+    double wrist;
+  } rows[] = {{"line", 0.1}, {"line", 0.05}, {"circle", 0.6}, {"circle", 0.1}};
+  const rbd::Model model = arm();
+  const rbd::FrameIndex middle = model.frameId("effector_body");
+  rbd::Data data(model);
+  const auto rotation = [&](const VectorXd& q) {
+    rbd::forwardKinematics(model, data, q);
+    return Eigen::Quaterniond(data.oMf[middle].rotation());
+  };
+  for (const auto& row : rows) {
+    Experiment e = path(row.kind, true);
+    e.planner.frame = "effector_body";
+    e.simulator.q0.value = std::vector<double>{0.5, 0.3, 0.6, 0.2, row.wrist, 0};
+    const Config c = make_config(e, model);
+    const Eigen::Quaterniond start = rotation(c.q0);
+    double most = 0;
+    for (double t = 0; t < 2; t += 0.001) most = std::max(most, rotation(at(c, t).q).angularDistance(start));
+    EXPECT_LE(most, 1.1 * kTurnTolerance)
+        << row.kind << " " << row.wrist;  // as above: checked at five places
+  }
+}
+
 TEST(CartesianPath, LedAwayItGoesOnWhereItWas) {
   const rbd::Model model = arm();
   const Experiment e = path("circle", true);
