@@ -153,6 +153,26 @@ TEST(Looks, TexturesLieTheRightWayUp) {
   EXPECT_THROW(draw(scene), std::invalid_argument);
 }
 
+// The sun is on the eye's side. The back of a sheet without thickness must look as a front there does, and not as its own
+// front, which is in the shade; whether its back is seen because it is turned or because it is mirrored.
+TEST(Looks, ABackIsLitByItsNormalTurnedRound) {
+  auto sheet = std::make_shared<Mesh>(*square(nullptr));
+  sheet->surfaces[0].two_sided = true;
+  Scene front = bare();
+  front.bodies = {sample_body("sheet", sheet, {0, 0, 0}, kWhite)};
+  front.light.towards = {1, .3, .3};
+  Scene turned = front, mirrored = front, shade = front;
+  turned.bodies[0].pose.linear() = Eigen::Vector3d(-1, -1, 1).asDiagonal();
+  mirrored.bodies[0].parts[0].scale = {-1, 1, 1};
+  shade.light.towards = {-1, .3, .3};
+  for (Quality quality : {Quality::kDraft, Quality::kFine}) {
+    const Image seen = draw(front, quality);
+    EXPECT_EQ(differing(draw(turned, quality), seen), 0);
+    EXPECT_EQ(differing(draw(mirrored, quality), seen), 0);
+    EXPECT_GT(differing(draw(shade, quality), seen, 40), 3 * 500) << "the sun's side does matter";
+  }
+}
+
 TEST(Looks, RoughnessWidensTheHighlight) {
   const auto bright = [](float roughness) {
     auto ball = std::make_shared<Mesh>(*make_sphere(.5, 96));
