@@ -173,6 +173,25 @@ TEST(Looks, ABackIsLitByItsNormalTurnedRound) {
   }
 }
 
+// Lines of sight that are parallel see the same from everywhere along them, from between and behind the bodies too.
+TEST(Looks, AnOrthographicPictureIsTheSameHoweverFarTheEye) {
+  Scene scene = bare();
+  scene.bodies = {sample_body("near", make_sphere(.3), {.5, .2, 0}, kRed),
+                  sample_body("far", make_sphere(.4), {-.5, -.2, 0}, kBlue)};
+  Camera camera = from_x();
+  camera.height = 1.5;
+  for (Quality quality : {Quality::kDraft, Quality::kFine}) {
+    Renderer renderer(kWidth, kHeight, quality);
+    const Image seen = renderer.draw(scene, camera);
+    EXPECT_TRUE(red(seen.at(90, 60)));
+    EXPECT_TRUE(blue(seen.at(60, 60)));
+    for (const double along : {-2.5, -4.0, 5.0}) {
+      const Eigen::Isometry3d motion(Eigen::Translation3d(along, 0, 0));
+      EXPECT_EQ(differing(renderer.draw(scene, moved(camera, motion)), seen), 0) << along;
+    }
+  }
+}
+
 TEST(Looks, RoughnessWidensTheHighlight) {
   const auto bright = [](float roughness) {
     auto ball = std::make_shared<Mesh>(*make_sphere(.5, 96));

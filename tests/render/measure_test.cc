@@ -104,6 +104,41 @@ TEST(Measure, DepthAndIdsOfBallsAndFloor) {
   }
 }
 
+// The picture of an orthographic camera shows what is behind its eye too, here a ball and the lower part of the floor; it has no
+// depth, and hides nothing. The ray's own depth as above; 1e-4 m about the eye's plane are left out.
+TEST(Measure, WhatIsBehindAnOrthographicEyeHasNoDepth) {
+  Camera c;
+  c.eye = {1, 0, .4};
+  c.target = {0, 0, 0};
+  c.height = 3;
+  Scene scene;
+  scene.bodies.push_back(with_id(sample_body("ahead", make_sphere(.3, 256), {0, 0, .3}, kGrey), 7));
+  scene.bodies.push_back(with_id(sample_body("behind", make_sphere(.4, 256), {2, 0, 1}, kGrey), 8));
+  const Measurement m = Renderer(kWidth, kHeight).measure(scene, c);
+  int ahead = 0, behind = 0, covered = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Ray r = ray(c, x, y);
+      const double floor = -r.start.z() / r.along.z();
+      double miss, passes;
+      const double ball = enters(r, {0, 0, .3}, .3, miss), other = enters(r, {2, 0, 1}, .4, passes);
+      if (floor > 5 || std::abs(floor) < 1e-4 || std::abs(miss) < .02 || std::abs(passes) < .02) continue;
+      const double depth = std::min(ball, floor > 0 ? floor : INFINITY);
+      ASSERT_EQ(m.id[m.at(x, y)], std::isfinite(ball) && ball == depth ? 7 : 0) << x << " " << y;
+      if (std::isfinite(depth))
+        ASSERT_NEAR(m.depth[m.at(x, y)], depth, 7.6e-4 * .3 + 1e-5 * (1 + depth)) << x << " " << y;
+      else
+        ASSERT_EQ(m.depth[m.at(x, y)], INFINITY) << x << " " << y;
+      ahead += std::isfinite(ball);
+      behind += floor < 0;
+      covered += std::isfinite(ball) && std::isfinite(other);
+    }
+  }
+  EXPECT_GT(ahead, 300);
+  EXPECT_GT(behind, 1000);
+  EXPECT_GT(covered, 50);
+}
+
 // The silhouette's area: pixels of the id against a fine count of rays that meet the ball.
 TEST(Measure, SilhouetteOfABall) {
   Scene scene;
