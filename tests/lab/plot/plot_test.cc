@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <regex>
 
@@ -50,6 +51,22 @@ TEST(UnitScale, SuitsTheNumber) {
   EXPECT_EQ(unit_scale(4e-12, "J").unit, "J");
 }
 
+// The number shown times what its prefix stands for (SI: m is 1e-3, µ 1e-6) is the quantity again, to a few
+// roundings.
+TEST(UnitScale, NumberAndPrefixAreTheQuantityAgain) {
+  const std::map<std::string, double> prefixes{{"rad", 1}, {"mrad", 1e-3}, {"µrad", 1e-6}};
+  const struct {
+    double quantity;
+    const char* unit;
+  } rows[] = {{30, "rad"},       {0.1, "rad"},   {0.099, "mrad"}, {0.02, "mrad"},  {1e-4, "mrad"},
+              {0.99e-4, "µrad"}, {2e-5, "µrad"}, {1e-9, "µrad"},  {0.9e-9, "rad"}, {0, "rad"}};
+  for (const auto& row : rows) {
+    const UnitScale scale = unit_scale(row.quantity, "rad");
+    EXPECT_EQ(scale.unit, row.unit) << row.quantity;
+    EXPECT_NEAR(row.quantity * scale.factor * prefixes.at(scale.unit), row.quantity, 1e-15 * row.quantity);
+  }
+}
+
 /// The points of the path with that class.
 std::vector<std::pair<double, double>> points_of(const std::string& svg, const std::string& name) {
   std::smatch path;
@@ -70,6 +87,25 @@ std::vector<std::pair<double, double>> y_ticks_of(const std::string& svg) {
     ticks.emplace_back(std::stod(std::regex_replace((*at)[2].str(), std::regex("−"), "-")),
                        std::stod((*at)[1]));
   return ticks;
+}
+
+// A chart in another unit is the same drawing with other labels.
+TEST(Rescale, OnlyTheLabelsOfTheAxisChange) {
+  Chart chart{.title = "all that has a height"};
+  chart.curves = {{.label = "", .x = {0, 1, 2, 4}, .y = {0.001, 0.003, -0.001, 0.002}}};
+  chart.marks = {{1, 0.0021, 0.0012, 0.0029, ""}};
+  chart.must_include_y = {0.0053};
+  chart.levels = {0.0017};
+  chart.bands = {{-0.0004, 0.0009}};
+  Chart scaled = chart;
+  rescale(scaled, 1000);
+  const auto without_labels = [](const Chart& c) {
+    return std::regex_replace(draw(c), std::regex("<text[^>]*>[^<]*</text>"), "");
+  };
+  EXPECT_EQ(without_labels(scaled), without_labels(chart));
+  const auto before = y_ticks_of(draw(chart)), after = y_ticks_of(draw(scaled));
+  ASSERT_EQ(after.size(), before.size());
+  for (size_t i = 0; i < after.size(); ++i) EXPECT_NEAR(after[i].first, 1000 * before[i].first, 1e-9);
 }
 
 TEST(Draw, CurvesAndTicksAreOnOneScale) {
