@@ -241,5 +241,32 @@ TEST(Simulator, SameInputSameBytes) {
   }
 }
 
+// A slider without limits: 100 m a step pass 1e9 m in the third, and 4e8 N on 1 kg give 4e5 m/s a step, which pass 1e6 m/s in the third.
+TEST(Simulator, BeyondThePositionOrTheSpeedOfARobotItHasDiverged) {
+  rbd::Model model;
+  model.addJoint(0, rbd::JointModelPX(), rbd::SE3(), "slider");
+  model.appendBodyToJoint(1, rbd::Inertia::FromSphere(1, 0.1));
+  model.upperEffortLimit.setConstant(INFINITY);
+  model.lowerEffortLimit.setConstant(-INFINITY);
+  for (const bool by_speed : {false, true})
+    for (const double side : {-1.0, 1.0}) {
+      Experiment e;
+      e.simulator.q0.value = by_speed ? 0 : side * (1e9 - 250);
+      e.simulator.v0.value = by_speed ? 0 : side * 1e5;
+      const Config config = make_config(e, model);
+      State state = initial(config);
+      const Command command{.tau = Eigen::VectorXd::Constant(1, by_speed ? side * 4e8 : 0)};
+      for (int k = 0; k < 2; ++k) ASSERT_FALSE(step(config, state, {.command = &command}).abort);
+      const Eigen::VectorXd last = state.robot.q;
+      const Output out = step(config, state, {.command = &command});
+      ASSERT_TRUE(out.abort);
+      EXPECT_EQ(out.events.back().who, "slider");
+      const std::string why = out.events.back().why;
+      EXPECT_EQ(why.substr(0, 2), by_speed ? "v " : "q ") << why;
+      EXPECT_TRUE(why.ends_with(by_speed ? ", bound 1e+06" : ", bound 1e+09")) << why;
+      EXPECT_EQ(out.state.q, last);
+    }
+}
+
 }  // namespace
 }  // namespace lab::simulator
