@@ -88,6 +88,28 @@ TEST(Page, StandsWithoutALog) {
   EXPECT_NE(page.find("No manifest.json"), std::string::npos);
 }
 
+// 0.03 rad are 30 mrad, 2.5e-5 rad are 25 µrad.
+TEST(Page, KeyFiguresHaveTheNumberOfTheirUnit) {
+  for (const auto& [error, text] : {std::pair(0.5, "0.5 <small>rad</small>"),
+                                    {0.03, "30 <small>mrad</small>"},
+                                    {2.5e-5, "25 <small>µrad</small>"}}) {
+    const std::string page = run_page(folder_of("a", test::by_hand({0, -error}, {error / 2, 0})));
+    EXPECT_NE(page.find(std::string("<dt>largest error</dt><dd>") + text), std::string::npos) << text;
+  }
+}
+
+// The value farthest from 0 chooses the unit, also if it is negative.
+TEST(Charts, PanelsHaveTheNumbersOfTheirUnit) {
+  const auto panel = [](double y) {
+    return scaled("c", "m", {.title = "t", .curves = {{.label = "", .x = {0, 1}, .y = {y, 0.004}}}});
+  };
+  EXPECT_EQ(panel(-0.5).unit, "m");
+  EXPECT_EQ(panel(-0.5).chart.curves[0].y, (std::vector<double>{-0.5, 0.004}));
+  EXPECT_EQ(panel(-0.02).unit, "mm");
+  EXPECT_NEAR(panel(-0.02).chart.curves[0].y[0], -20, 1e-13);
+  EXPECT_NEAR(panel(-0.02).chart.curves[0].y[1], 4, 1e-13);
+}
+
 TEST(LoopTimes, QuantilesOfAHistogram) {
   Loops loops{.process = "x", .counts = std::vector<int64_t>(84)};
   loops.counts[3] = 90, loops.counts[8] = 10;  // 3 us, and 8 to 9 us
