@@ -86,6 +86,8 @@ TEST(Robot, RefusalsNameTheKeyAndTheCure) {
             "'joint2_shoulder'?");
   EXPECT_EQ(refusal({"robot.lock.joint2_shoulder=2"}),
             "--set: robot.lock.joint2_shoulder: 2 is outside the joint's limits -1.57 .. 1.57");
+  EXPECT_EQ(refusal({"robot.lock.joint2_shoulder=-2"}),
+            "--set: robot.lock.joint2_shoulder: -2 is outside the joint's limits -1.57 .. 1.57");
   EXPECT_EQ(
       refusal({"robot.model=builtin:arm"}),
       "--set: robot.model: 'builtin:arm' is not known; builtin are builtin:manipulator, builtin:humanoid");
