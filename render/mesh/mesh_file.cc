@@ -17,6 +17,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "render/mesh/node_graph.h"
 #include "render/mesh/texture.h"
 
 namespace lab::render {
@@ -257,6 +258,9 @@ MeshFile read_checked(const std::string& path) {
                  [](unsigned char c) { return std::tolower(c); });
   try {
     if (extension == ".stl") check_stl(path, size);
+    if (std::string bytes;
+        (extension == ".gltf" || extension == ".glb" || extension == ".dae") && read_bytes(path, bytes))
+      (extension == ".dae" ? collada_nodes(bytes) : gltf_nodes(bytes)).check();
     return Reader(path, extension).read();
   } catch (const std::exception& e) {
     const std::string kind = kind_by_contents(path, size);
