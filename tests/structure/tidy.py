@@ -27,7 +27,7 @@ import time
 
 import rooms
 
-BATCH_LINES = 2500
+BATCH_LINES = {True: 2500, False: 800}  # with and without --full: what is not ready when the time is over was in vain
 MESSAGE = re.compile(r"^(\S+?):(\d+):(\d+): (warning|error|note): (.*)$")
 
 
@@ -105,8 +105,8 @@ def tool_version(tool):
     return subprocess.run([tool, "--version"], capture_output=True, text=True, check=True).stdout
 
 
-def batches(sources, files):
-    """Files of one top-level folder, up to BATCH_LINES each; in the given order."""
+def batches(sources, files, most):
+    """Files of one top-level folder, up to `most` lines each; in the given order."""
     by_folder = collections.OrderedDict()
     for file in files:
         by_folder.setdefault(file.split("/")[0], []).append(file)
@@ -114,7 +114,7 @@ def batches(sources, files):
         batch, lines = [], 0
         for file in group:
             size = sources.text(file).count("\n")
-            if batch and lines + size > BATCH_LINES:
+            if batch and lines + size > most:
                 yield batch
                 batch, lines = [], 0
             batch.append(file)
@@ -208,13 +208,15 @@ def check(options, root, tool):
             os.unlink(os.path.join(memory, name))
     clean = len(files) - len(todo)
     changed = changed_files(root)
-    # files that differ from the last commit, then texts that were never checked, then those with a changed header
-    todo.sort(key=lambda file: (file not in changed, os.path.exists(os.path.join(memory, own[file])), file))
+    # files that differ from the last commit, by themselves; then texts that were never checked, then those with a changed header
+    todo.sort(key=lambda file: (os.path.exists(os.path.join(memory, own[file])), file))
+    most = BATCH_LINES[options.full]
 
     start = time.monotonic()
     checker = Checker(sources, tool, scratch, None if options.full else start + options.seconds)
     findings, left, done = set(), [], 0
-    queue = list(batches(sources, todo))
+    queue = [*batches(sources, [file for file in todo if file in changed], most),
+             *batches(sources, [file for file in todo if file not in changed], most)]
     while queue:
         alone = []
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
