@@ -47,7 +47,7 @@ Motion changeIn(const Place& place, const Data& data, Twist change, const Twist&
   const Vec about = reference == WORLD ? -data.work().kept.centre : place.origin;
   Vec linear = change.v + cross(change.w, about);
   if (reference == LOCAL_WORLD_ALIGNED && S) linear = linear + cross(m.w, S->v + cross(S->w, place.origin));
-  const Motion out(inner::toEigen(change.w), inner::toEigen(linear));
+  Motion out(inner::toEigen(change.w), inner::toEigen(linear));
   if (reference != LOCAL) return out;
   return {place.R.transpose() * out.angular(), place.R.transpose() * out.linear()};
 }

@@ -105,10 +105,11 @@ inline SpatialMotion<Scalar> subspaceTimes(const PackedJoint& joint, const Scala
   return SpatialMotion<Scalar>::zero();
 }
 
-// The same S, dof by dof, for the kinds whose dofs lie along single axes: 0-2 rotate about x y z, 3-5 slide.
+// The same S, dof by dof, for the kinds whose dofs lie along single axes: 0-2 rotate about x y z, 3-5 slide. The first nv
+// count.
 inline const int* dofAxes(KernelKind kind) {
-  static constexpr int turn_z[] = {2}, slide_z[] = {5}, ball[] = {0, 1, 2}, planar[] = {3, 4, 2},
-                       translate[] = {3, 4, 5}, free[] = {0, 1, 2, 3, 4, 5};
+  static constexpr int turn_z[6] = {2}, slide_z[6] = {5}, ball[6] = {0, 1, 2}, planar[6] = {3, 4, 2},
+                       translate[6] = {3, 4, 5}, free[6] = {0, 1, 2, 3, 4, 5};
   switch (kind) {
     case KernelKind::TurnZ:
       return turn_z;
