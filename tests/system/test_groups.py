@@ -16,15 +16,6 @@ PATIENT = ["--set", "safety.timeout=0.5"]
 INTRUDER = str(lab.BUILD / "bin" / "test-controller")
 
 
-@pytest.fixture
-def runs(tmp_path):
-    """A folder for runs; labs that still run in it are ended by their own supervisors."""
-    folder = tmp_path / "runs"
-    yield folder
-    call(folder, "down", "--all", "--timeout", "5")
-    assert not lab.leftovers(folder)
-
-
 def log_of(folder):
     return lab.until(lambda: (pathlib.Path(folder) / "log.lcm").exists() and (pathlib.Path(folder) / "log.lcm").read_bytes(), "log.lcm")
 

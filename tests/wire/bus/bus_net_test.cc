@@ -15,6 +15,7 @@
 #include <random>
 
 #include "core/util/big_endian.h"
+#include "tests/wire/bus/bus_user.h"
 #include "tests/wire/bus/noise.h"
 #include "wire/bus/bus.h"
 #include "wire/bus/udpm_wire.h"
@@ -22,42 +23,9 @@
 namespace lab {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-struct Message {
-  std::string channel;
-  Bytes data;
-  uint64_t sender = 0;
-  int64_t lost_before = 0;
-};
-
-// Polls until `enough` messages have come, or ten seconds have passed.
-std::vector<Message> collect(Bus& bus, size_t enough) {
-  std::vector<Message> out;
-  const auto deadline = Clock::now() + std::chrono::seconds(10);
-  while (out.size() < enough && Clock::now() < deadline) {
-    bus.poll(100'000, [&](const Datagram& d) {
-      if (d.channel == "LCM_SELF_TEST") return;  // liblcm checks its route with it
-      out.push_back({std::string(d.channel), Bytes(d.data.begin(), d.data.end()), d.sender, d.lost_before});
-    });
-  }
-  return out;
-}
-
-std::string url(int port, const std::string& more = "") {
-  return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0" + more;
-}
-int next_port() {
-  static int port = 7700;
-  return ++port;
-}
-
 struct Pairing {
   std::string from, to;
 };
-
-// Routes and firewall rules are only ever touched in a namespace that netns.sh made for this test.
-bool is_private() { return std::getenv("LAB_PRIVATE_NETNS") != nullptr; }
 
 class Conformance : public testing::TestWithParam<Pairing> {
  protected:
@@ -391,53 +359,6 @@ TEST(OpenBus, ErrorsSayWhatToDo) {
   EXPECT_NE(reason("udpm://239.255.76.67:7667?ttl=1").find("ip route add 224.0.0.0/4 dev lo"),
             std::string::npos);
   ASSERT_EQ(std::system("ip route add 224.0.0.0/4 dev lo"), 0);
-}
-
-// The default route's interface comes and goes (Wi-Fi); what stays on the host must not notice.
-class Routes : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!is_private()) GTEST_SKIP() << "start it with tests/support/netns.sh";
-    ASSERT_EQ(
-        std::system("ip link add wifi type veth peer name air && ip addr add 10.9.8.7/24 dev wifi && "
-                    "ip link set wifi up && ip link set air up && ip route replace 224.0.0.0/4 dev wifi"),
-        0);
-  }
-  void TearDown() override {
-    if (!is_private()) return;
-    ASSERT_EQ(std::system("ip link del wifi; ip route replace 224.0.0.0/4 dev lo"), 0);
-  }
-  bool hears(Bus& to, Bus& from) {
-    from.publish("HELLO", noise(100, 1));
-    return collect(to, 1).size() == 1;
-  }
-};
-
-TEST_F(Routes, PlainLcmProgramsOfTheHostAreHeardAndHearUs) {
-  const int port = next_port();
-  const auto ours = open_bus(url(port)), other = open_bus(url(port));
-  const auto plain = open_bus(url(port, "&backend=liblcm"));
-  EXPECT_TRUE(hears(*ours, *other));
-  EXPECT_EQ(collect(*plain, 1).size(), 1u);
-  EXPECT_TRUE(hears(*ours, *plain));
-}
-
-TEST_F(Routes, LosingTheInterfaceLosesNothingOfOurs) {
-  const int port = next_port();
-  const auto before = open_bus(url(port)), other = open_bus(url(port));
-  ASSERT_EQ(std::system("ip link set wifi down"), 0);
-  EXPECT_TRUE(hears(*before, *other));
-  const auto after = open_bus(url(port));
-  EXPECT_TRUE(hears(*before, *after));
-  EXPECT_EQ(after->counters().send_failed, 0);
-}
-
-TEST_F(Routes, AnInterfaceThatTheUrlNamesCarriesTheMessages) {
-  const int port = next_port();
-  const std::string named = "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=1&interface=wifi";
-  const auto one = open_bus(named), two = open_bus(named);
-  EXPECT_TRUE(hears(*one, *two));
-  EXPECT_EQ(two->own_address() >> 16, 0x0a090807u) << "sent from wifi's address";
 }
 
 TEST(OpenBus, Environment) {

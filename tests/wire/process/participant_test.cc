@@ -11,6 +11,7 @@
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 
+#include "tests/wire/protocol/message.h"
 #include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
 
@@ -64,34 +65,27 @@ class ParticipantTest : public testing::Test {
     publish_ = participant_->publish();
   }
   static Bytes command(int64_t step, double tau, int64_t run = kRun) {
-    command_t m{};
-    m.run = run;
-    m.step = m.state_step = step;
+    auto m = message_of<command_t>(run, step);
+    m.state_step = step;
     m.nv = 1;
     m.tau = {tau};
     return encode(m);
   }
 
   static Bytes reference(int64_t step) {
-    reference_t m{};
-    m.run = kRun;
-    m.step = step;
+    auto m = message_of<reference_t>(kRun, step);
     m.nq = m.nv = 1;
     m.q = m.v = m.a = {0};
     return encode(m);
   }
   static Bytes state(int64_t step) {
-    robot_state_t m{};
-    m.run = kRun;
-    m.step = step;
+    auto m = message_of<robot_state_t>(kRun, step);
     m.nq = m.nv = 1;
     m.q = m.v = m.tau = {0};
     return encode(m);
   }
   static Bytes process(const char* name, int64_t nonce) {
-    process_t m{};
-    m.run = kRun;
-    m.step = kBeforeStart;
+    auto m = message_of<process_t>(kRun, kBeforeStart);
     m.name = name;
     m.nonce = nonce;
     m.state = "READY";

@@ -7,28 +7,21 @@
 #include <lab/robot_state_t.hpp>
 
 #include "tests/wire/protocol/lockstep_world.h"
+#include "tests/wire/protocol/message.h"
 
 namespace lab::test {
 namespace {
 
 constexpr int64_t kRun = 42;
 
-template <class T>
-T message(int64_t step) {
-  T m{};
-  m.run = kRun;
-  m.step = step;
-  return m;
-}
-
 Bytes state(int64_t step, int64_t digest) {
-  auto m = message<robot_state_t>(step);
+  auto m = message_of<robot_state_t>(kRun, step);
   m.digest = digest;
   return encode(m);
 }
-Bytes reference(int64_t step) { return encode(message<reference_t>(step)); }
+Bytes reference(int64_t step) { return encode(message_of<reference_t>(kRun, step)); }
 Bytes command(int64_t step, double tau) {
-  auto m = message<command_t>(step);
+  auto m = message_of<command_t>(kRun, step);
   m.nv = 1;
   m.tau = {tau};
   return encode(m);
@@ -46,7 +39,7 @@ int64_t used_digest() {
 
 /// A logger that knows the run.
 struct Bench {
-  Bench() { logger.receive(Channel::Run, encode(message<run_t>(kBeforeStart)), 0); }
+  Bench() { logger.receive(Channel::Run, encode(message_of<run_t>(kRun, kBeforeStart)), 0); }
   std::vector<int64_t> steps_asked_for() const {
     std::vector<int64_t> steps;
     for (const auto& [channel, bytes] : sent)
@@ -89,7 +82,7 @@ TEST(LockstepLogger, WritesAStepOnlyWithTheBytesThatTheSimulatorUsed) {
 
 // The last step has no ROBOT_STATE after it: END carries its digest.
 TEST(LockstepLogger, EndSaysTheBytesOfTheLastStep) {
-  auto end = message<end_t>(0);
+  auto end = message_of<end_t>(kRun, 0);
   end.digest = used_digest();
 
   Bench bench;

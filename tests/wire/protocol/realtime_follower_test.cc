@@ -11,6 +11,7 @@
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
 
+#include "tests/wire/protocol/message.h"
 #include "wire/protocol/controller_role.h"
 #include "wire/protocol/logger_role.h"
 #include "wire/protocol/planner_role.h"
@@ -21,18 +22,10 @@ namespace {
 
 constexpr int64_t kRun = 42;
 
-template <class T>
-T message(int64_t step) {
-  T m{};
-  m.run = kRun;
-  m.step = step;
-  return m;
-}
-
-Bytes run() { return encode(message<run_t>(kBeforeStart)); }
+Bytes run() { return encode(message_of<run_t>(kRun, kBeforeStart)); }
 
 Bytes state(int64_t step, int64_t input_seq = 0) {
-  auto m = message<robot_state_t>(step);
+  auto m = message_of<robot_state_t>(kRun, step);
   m.utime = 1000 * step;
   m.nq = m.nv = 1;
   m.q = m.v = m.tau = {0};
@@ -41,14 +34,14 @@ Bytes state(int64_t step, int64_t input_seq = 0) {
 }
 
 Bytes reference(int64_t step) {
-  auto m = message<reference_t>(step);
+  auto m = message_of<reference_t>(kRun, step);
   m.nq = m.nv = 1;
   m.q = m.v = m.a = {0};
   return encode(m);
 }
 
 Bytes input(int64_t seq, int64_t step) {
-  auto m = message<input_t>(step);
+  auto m = message_of<input_t>(kRun, step);
   m.input_seq = seq;
   m.action.verb = "set";
   return encode(m);
@@ -171,7 +164,7 @@ TEST(RealtimePlanner, PlansForTheStepAfterTheNewestState) {
   role.receive(Channel::RobotState, state(8), 1000);
   role.tick(1000);
   EXPECT_FALSE(held);
-  role.receive(Channel::End, encode(message<end_t>(8)), 2000);
+  role.receive(Channel::End, encode(message_of<end_t>(kRun, 8)), 2000);
   EXPECT_TRUE(role.outcome().ended);
 }
 
@@ -203,7 +196,7 @@ TEST(RealtimeLogger, WritesWhatArrivesAndEachInputOnce) {
   role.receive(Channel::RobotState, state(0), 0);
   EXPECT_EQ(role.step(), 1);
   EXPECT_FALSE(memory.closed);
-  role.receive(Channel::End, encode(message<end_t>(1)), 0);
+  role.receive(Channel::End, encode(message_of<end_t>(kRun, 1)), 0);
   EXPECT_EQ(memory.text, "RUN -1\nROBOT_STATE 1\nREFERENCE 5\nINPUT 2\nROBOT_STATE 0\nEND 1\n");
   EXPECT_TRUE(memory.closed);
   const auto acks = sent.all<ack_t>(Channel::Ack);
