@@ -150,8 +150,8 @@ restart_asked() { # NAME
 set_logs_aside() {
   local n=1 file run_dir=$dir/..
   while [ -e "$run_dir/log-$n.lcm" ] || [ -e "$run_dir/log-$n.lcm.part" ] || [ -e "$run_dir/telemetry-$n.lcm" ]; do n=$((n + 1)); done
-  for file in log.lcm log.lcm.part telemetry.lcm telemetry.lcm.part; do
-    [ ! -e "$run_dir/$file" ] || mv "$run_dir/$file" "$run_dir/${file/.lcm/-$n.lcm}"
+  for file in {log,telemetry}{,.earlier}.lcm{,.part}; do
+    [ ! -e "$run_dir/$file" ] || mv "$run_dir/$file" "$run_dir/${file/./-$n.}"
   done
 }
 start_again() {

@@ -50,12 +50,26 @@ std::unique_ptr<LogWriter> continued(const std::string& path) {
   return std::make_unique<LogWriter>(path, reader.position(), events);
 }
 
+/// RUN and TYPE, which say what all other messages mean.
+bool begins_a_log(Channel channel) { return channel == Channel::Run || channel == Channel::Type; }
+
+/// What was written so far becomes NAME.earlier.lcm; NAME.lcm begins anew. NAME.lcm itself is never there meanwhile: it
+/// means that the run has ended.
+void begin_next_piece(std::unique_ptr<LogWriter>& log, const std::string& path) {
+  log = nullptr;
+  const std::string earlier = std::filesystem::path(path).replace_extension("earlier.lcm");
+  std::filesystem::rename(part_name(path), part_name(earlier));
+  publish_file(earlier);
+  log = std::make_unique<LogWriter>(path);
+}
+
 }  // namespace
 
-LogFiles::LogFiles(const std::string& run_dir) : log_path_(run_dir + "/log.lcm") {
+LogFiles::LogFiles(const std::string& run_dir, uint64_t quota)
+    : log_path_(run_dir + "/log.lcm"), telemetry_path_(run_dir + "/telemetry.lcm"), split_(quota / 2) {
   if (std::filesystem::exists(log_path_))
     throw std::runtime_error(fmt::format("{} is there already; give another --run-dir", log_path_));
-  telemetry_ = continued(run_dir + "/telemetry.lcm");
+  telemetry_ = continued(telemetry_path_);
 }
 
 LogFiles::~LogFiles() {
@@ -66,7 +80,9 @@ LogFiles::~LogFiles() {
   }
 }
 
-void LogFiles::open(int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit) {
+void LogFiles::open(int64_t run, bool may_split,
+                    const std::function<void(Channel, std::span<const uint8_t>)>& visit) {
+  may_split_ = may_split;
   const std::string part = part_name(log_path_);
   const auto whole = std::filesystem::exists(part) ? whole_steps(part, run) : std::nullopt;
   if (!whole) {
@@ -75,22 +91,35 @@ void LogFiles::open(int64_t run, const std::function<void(Channel, std::span<con
   }
   LogReader reader(part);
   LogEvent event;
-  for (int64_t i = 0; i < whole->events && reader.next(event); ++i)
-    visit(*channel_of(event.channel), event.data);
+  for (int64_t i = 0; i < whole->events && reader.next(event); ++i) {
+    const Channel channel = *channel_of(event.channel);
+    if (begins_a_log(channel))
+      begin_.push_back({channel, event.utime, {event.data.begin(), event.data.end()}});
+    visit(channel, event.data);
+  }
   log_ = std::make_unique<LogWriter>(log_path_, whole->bytes, whole->events);
 }
 
 void LogFiles::append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) {
   log_->add(utime, row(channel).name, bytes);
+  if (begins_a_log(channel)) begin_.push_back({channel, utime, {bytes.begin(), bytes.end()}});
 }
 
-void LogFiles::flush() { log_->flush(); }
+void LogFiles::flush() {
+  log_->flush();
+  if (split_ == 0 || !may_split_ || log_->bytes() < split_) return;
+  begin_next_piece(log_, log_path_);
+  for (const Begin& event : begin_) log_->add(event.utime, row(event.channel).name, event.bytes);
+  log_->flush();
+}
 
 void LogFiles::close() { log_->finish(); }
 
 void LogFiles::telemetry(Channel channel, std::span<const uint8_t> bytes) {
   telemetry_->add(wall_now(), row(channel).name, bytes);
-  if (telemetry_->waiting() >= kTelemetryFlush) telemetry_->flush();
+  if (telemetry_->waiting() < kTelemetryFlush) return;
+  telemetry_->flush();
+  if (split_ != 0 && telemetry_->bytes() >= split_) begin_next_piece(telemetry_, telemetry_path_);
 }
 
 }  // namespace lab::logger

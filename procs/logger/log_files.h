@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "wire/log/log_writer.h"
 #include "wire/protocol/logger_role.h"
@@ -10,21 +11,35 @@ namespace lab::logger {
 
 /// Both files are NAME.part until they are whole; log.lcm gets its name in
 /// close(), telemetry.lcm when this object ends.
+///
+/// With a quota each file is split at half of it: what was written becomes NAME.earlier.lcm, in place of the one
+/// before, and the file begins anew (log.lcm with RUN and TYPE, so that it is a log by itself). So the newest half at least
+/// is kept, and the disk holds no more than the quota of each.
 class LogFiles : public LogSink {
  public:
-  /// Throws if the folder cannot be written or holds a finished log.
-  explicit LogFiles(const std::string& run_dir);
+  /// quota: bytes, of log.lcm of runs in real time and of telemetry.lcm; 0 = none. Throws if the folder cannot be
+  /// written or holds a finished log.
+  explicit LogFiles(const std::string& run_dir, uint64_t quota = 0);
   ~LogFiles() override;
 
   /// Continues log.lcm.part if it is of the same run, cut back to its whole steps; else starts a new one.
-  void open(int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit) override;
+  void open(int64_t run, bool may_split,
+            const std::function<void(Channel, std::span<const uint8_t>)>& visit) override;
   void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) override;
   void flush() override;
   void close() override;
   void telemetry(Channel channel, std::span<const uint8_t> bytes) override;
 
  private:
-  const std::string log_path_;
+  struct Begin {
+    Channel channel;
+    int64_t utime;
+    std::vector<uint8_t> bytes;
+  };
+  const std::string log_path_, telemetry_path_;
+  const uint64_t split_;      ///< bytes of a piece; 0 = never
+  bool may_split_ = false;    ///< log.lcm
+  std::vector<Begin> begin_;  ///< what each piece of log.lcm begins with: RUN and TYPE
   std::unique_ptr<LogWriter> log_, telemetry_;
 };
 

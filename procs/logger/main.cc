@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   app.footer("example: lab-logger --run-dir runs/latest");
   lab::ParticipantOptions options{.name = lab::kLogger, .url = "", .prefix = "", .channels = {}};
   std::string run_dir;
-  double deadline = 10, ready = 10;
+  double deadline = 10, ready = 10, quota = 0;
   app.add_option("--run-dir", run_dir, "folder that the logs go to")->envname("LAB_RUN_DIR")->required();
   app.add_option("-l,--lcm-url,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
@@ -21,13 +21,19 @@ int main(int argc, char** argv) {
   app.add_option("--deadline", deadline, "s without any message that end the process")
       ->check(CLI::PositiveNumber);
   app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);
+  app.add_option("--quota-mb", quota,
+                 "of log.lcm and of telemetry.lcm: at half of it what was written becomes log.earlier.lcm, "
+                 "in place of "
+                 "the one before (0: no limit, as for every run in lockstep)")
+      ->envname("LAB_QUOTA_MB")
+      ->check(CLI::Range(0.0, 1e9));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
   }
   return lab::guarded_main("lab-logger", [&] {
-    lab::logger::LogFiles files(run_dir);
+    lab::logger::LogFiles files(run_dir, static_cast<uint64_t>(quota * 1e6));
     lab::Participant participant(options);
     lab::LoggerConfig config;
     if (const std::string file = run_dir + "/experiment.yaml"; std::filesystem::exists(file))

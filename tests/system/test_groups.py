@@ -43,6 +43,22 @@ def test_a_day_in_the_lab(runs):
     assert call(runs, "down").returncode == 2
 
 
+def test_with_a_quota_a_live_lab_keeps_the_newest_of_its_log(runs):
+    ok(call(runs, "up", "-d", "--private", "--quota", "0.2", *PATIENT))
+    folder = runs / "live"
+    earlier = folder / "log.earlier.lcm"
+    first = lab.until(lambda: earlier.exists() and earlier.read_bytes(), "the first piece")
+    lab.until(lambda: earlier.read_bytes() != first, "the second piece")
+    ok(call(runs, "down"))
+    pieces = [list(lab.events(path)) for path in (earlier, folder / "log.lcm")]
+    states = [[lab.header(data)[2] for channel, data in piece if channel == "ROBOT_STATE"] for piece in pieces]
+    assert all(piece[0][0] == "RUN" and piece[1][0] == "TYPE" for piece in pieces)
+    assert states[0] + states[1] == list(range(states[0][0], states[1][-1] + 1, 10)), "nothing is lost between them"
+    assert states[0][0] > 0 and earlier.stat().st_size < 200e3
+    ok(call(runs, "report", "live"))
+    assert call(runs, "up", "--quota", "much").returncode == 2
+
+
 def test_killed_and_restarted_in_lockstep_the_log_is_the_same(runs, tmp_path):
     file = lab.experiment(tmp_path, dt=0.001, duration=8)
     undisturbed = lab.solo(file, tmp_path / "solo")

@@ -15,7 +15,7 @@ bool RunLog::open(std::span<const uint8_t> run_bytes, const run_t& run, const Ru
   run_ = run.run;
   setup_ = setup;
   bool resumed = false;
-  sink_.open(run_, [&](Channel channel, std::span<const uint8_t> logged) {
+  sink_.open(run_, setup.realtime, [&](Channel channel, std::span<const uint8_t> logged) {
     resumed = true;
     if (channel == Channel::RobotState) written = peek_step(logged);
     if (channel == Channel::Input) input_seq = decode<input_t>(logged).input_seq;

@@ -15,8 +15,10 @@ class LogSink {
  public:
   virtual ~LogSink() = default;
   /// Opens the log of this run. If the process was restarted: calls `visit` for each message of the whole steps that
-  /// are already in the log of the same run, and truncates the rest. Throws with one line.
-  virtual void open(int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit) = 0;
+  /// are already in the log of the same run, and truncates the rest. Throws with one line. may_split: the log may be
+  /// limited to its newest steps (in lockstep it is whole, or no log).
+  virtual void open(int64_t run, bool may_split,
+                    const std::function<void(Channel, std::span<const uint8_t>)>& visit) = 0;
   /// Adds one event. utime is the event's time.
   virtual void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) = 0;
   /// Hands everything appended to the kernel. Throws with one line, such as on a full disk.

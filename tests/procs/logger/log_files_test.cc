@@ -9,6 +9,8 @@
 #include <fstream>
 #include <functional>
 #include <lab/robot_state_t.hpp>
+#include <lab/run_t.hpp>
+#include <lab/type_t.hpp>
 
 #include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
@@ -23,6 +25,15 @@ std::vector<uint8_t> state(int64_t run, int64_t step) {
   robot_state_t message{};
   message.run = run;
   message.step = step;
+  return encode(message);
+}
+
+/// RUN or TYPE
+template <class Message>
+std::vector<uint8_t> beginning(int64_t run) {
+  Message message{};
+  message.run = run;
+  message.step = -1;
   return encode(message);
 }
 
@@ -49,7 +60,7 @@ class LogFilesTest : public testing::Test {
   void die_after(int64_t run, int64_t first, int64_t last) const {
     killed([&] {
       LogFiles files(folder_);
-      files.open(run, [](Channel, std::span<const uint8_t>) {});
+      files.open(run, true, [](Channel, std::span<const uint8_t>) {});
       for (int64_t step = first; step <= last; ++step)
         files.append(Channel::RobotState, state(run, step), step);
       files.flush();
@@ -60,7 +71,7 @@ class LogFilesTest : public testing::Test {
   std::vector<int64_t> steps_of(int64_t run) {
     LogFiles files(folder_);
     std::vector<int64_t> steps;
-    files.open(run, [&](Channel, std::span<const uint8_t> bytes) {
+    files.open(run, true, [&](Channel, std::span<const uint8_t> bytes) {
       steps.push_back(decode<robot_state_t>(bytes).step);
     });
     return steps;
@@ -104,6 +115,70 @@ TEST_F(LogFilesTest, TelemetryGoesOnAfterAKillAndAfterAnEnd) {
   }
   EXPECT_EQ(seen, (std::vector<uint8_t>{1, 2, 3}));
   EXPECT_EQ(numbers, (std::vector<int64_t>{0, 1, 2}));
+}
+
+/// The events of a log, as CHANNEL or, of a state, its step.
+std::vector<std::string> events_of(const std::string& path) {
+  std::vector<std::string> out;
+  LogReader reader(path);
+  for (LogEvent event; reader.next(event);)
+    out.push_back(event.channel == "ROBOT_STATE" ? std::to_string(decode<robot_state_t>(event.data).step)
+                                                 : std::string(event.channel));
+  return out;
+}
+
+TEST_F(LogFilesTest, WithAQuotaTheNewestPiecesStayAndEachBeginsWithRunAndType) {
+  const uint64_t quota = 4000;
+  const auto write = [&](LogFiles& files, int64_t first, int64_t last) {
+    for (int64_t step = first; step <= last; ++step) {
+      files.append(Channel::RobotState, state(7, step), step);
+      files.flush();
+      uint64_t size = fs::file_size(folder_ + "/log.lcm.part");
+      if (fs::exists(folder_ + "/log.earlier.lcm")) size += fs::file_size(folder_ + "/log.earlier.lcm");
+      ASSERT_LE(size, quota + 2 * (state(7, step).size() + 100)) << "an event more than half, in each";
+    }
+  };
+  killed([&] {
+    LogFiles files(folder_, quota);
+    files.open(7, true, [](Channel, std::span<const uint8_t>) {});
+    files.append(Channel::Run, beginning<run_t>(7), 1);
+    files.append(Channel::Type, beginning<type_t>(7), 2);
+    write(files, 0, 29);
+    _exit(testing::Test::HasFailure());
+  });
+  LogFiles files(folder_, quota);
+  files.open(7, true, [](Channel, std::span<const uint8_t>) {});  // the one after goes on alike
+  write(files, 29, 99);
+  files.close();
+  const auto earlier = events_of(folder_ + "/log.earlier.lcm"), last = events_of(folder_ + "/log.lcm");
+  for (const auto& piece : {earlier, last}) {
+    ASSERT_GT(piece.size(), 2u);
+    EXPECT_EQ(piece[0], "RUN");
+    EXPECT_EQ(piece[1], "TYPE");
+  }
+  EXPECT_EQ(last.back(), "99");
+  EXPECT_EQ(std::stoi(earlier.back()) + 1, std::stoi(last[2])) << "nothing is lost between them";
+}
+
+TEST_F(LogFilesTest, ALockstepLogIsNeverSplit) {
+  LogFiles files(folder_, 1000);
+  files.open(7, false, [](Channel, std::span<const uint8_t>) {});
+  for (int64_t step = 0; step < 100; ++step) {
+    files.append(Channel::RobotState, state(7, step), step);
+    files.flush();
+  }
+  files.close();
+  EXPECT_EQ(events_of(folder_ + "/log.lcm").size(), 100u);
+  EXPECT_FALSE(fs::exists(folder_ + "/log.earlier.lcm"));
+}
+
+TEST_F(LogFilesTest, TelemetryHasTheSameQuota) {
+  LogFiles files(folder_, 20000);
+  for (int i = 0; i < 100; ++i) files.telemetry(Channel::RobotState, std::vector<uint8_t>(1000, 1));
+  EXPECT_LE(
+      fs::file_size(folder_ + "/telemetry.earlier.lcm") + fs::file_size(folder_ + "/telemetry.lcm.part"),
+      30000u);
+  EXPECT_GE(fs::file_size(folder_ + "/telemetry.earlier.lcm"), 10000u);
 }
 
 }  // namespace
