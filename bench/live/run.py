@@ -20,8 +20,6 @@ import multiprocessing
 import os
 import pathlib
 import queue
-import socket
-import struct
 import subprocess
 import sys
 import tempfile
@@ -32,51 +30,36 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "system"))
 import labrun as lab  # noqa: E402
 
-GROUP, PORT, SHORT = "239.255.76.67", 7667, 0x4C433032
-
 
 class Bus:
     """Sends requests, and hears EVENT, REPLY and PROCESS with the time of each."""
 
     def __init__(self, types):
-        self.types, self.sequence, self.id, self.over = types, 0, 0, False
-        self.out = sender()
+        self.types, self.id, self.over, self.udp = types, 0, False, lab.Bus()
         self.events, self.process, self.replies = queue.Queue(), None, 0
-        self.reader = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.reader.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
-        self.reader.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)
-        self.reader.bind((GROUP, PORT))
-        self.reader.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1"))
-        self.reader.settimeout(0.2)
         threading.Thread(target=self.listen, daemon=True).start()
 
     def listen(self):
         while not self.over:
-            try:
-                packet = self.reader.recv(65536)
-            except socket.timeout:
-                continue
+            message = self.udp.receive()
             heard = time.perf_counter()
-            channel, _, data = packet[8:].partition(b"\0")
-            if channel == b"EVENT":
+            if message is None:
+                continue
+            channel, data = message
+            if channel == "EVENT":
                 self.events.put((self.types.event_t.decode(data).what, heard))
-            elif channel == b"REPLY":
+            elif channel == "REPLY":
                 self.replies += 1
-            elif channel == b"PROCESS":
+            elif channel == "PROCESS":
                 process = self.types.process_t.decode(data)
                 if process.name == "simulator":
                     self.process = process
 
-    def request(self, verb, target="", values=(), key=""):
+    def request(self, verb, **action):
         self.id += 1
-        self.sequence += 1
-        message = self.types.request_t()
-        message.utime, message.step, message.sender, message.id = int(time.time() * 1e6), -1, f"bench:{os.getpid()}", self.id
-        message.action.verb, message.action.target, message.action.key = verb, target, key
-        message.action.n, message.action.values = len(values), list(values)
-        packet = struct.pack(">II", SHORT, self.sequence) + b"REQUEST\0" + message.encode()
+        data = lab.request(self.types, f"bench:{os.getpid()}", self.id, verb, **action)
         sent = time.perf_counter()
-        self.out.sendto(packet, (GROUP, PORT))
+        self.udp.send("REQUEST", data)
         return sent
 
     def wait_for(self, what):
@@ -92,21 +75,14 @@ class Bus:
         sys.exit(f"lab bench live: no EVENT '{what}' in 10 s")
 
 
-def sender():
-    out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
-    out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
-    return out
-
-
 def flood(rate, sent):
     """COMMANDs of a stranger, a hundred at a time, until it is ended."""
-    out, packet, n = sender(), b"COMMAND\0" + bytes(200), 0
+    bus, n = lab.Bus(), 0
     next_burst = time.monotonic()
     while True:
         for _ in range(100):
             n += 1
-            out.sendto(struct.pack(">II", SHORT, n) + packet, (GROUP, PORT))
+            bus.send("COMMAND", bytes(200))
         sent.value = n
         next_burst += 100 / rate
         time.sleep(max(0, next_burst - time.monotonic()))
@@ -138,7 +114,7 @@ def many_requests(bus, count, seconds):
     before, begin, replies = bus.process, time.monotonic(), bus.replies
     size = memory(before.pid)
     for i in range(count):
-        bus.request("set", "controller", [80 + i % 40], "kp")
+        bus.request("set", target="controller", key="kp", values=[80 + i % 40])
         time.sleep(max(0, begin + (i + 1) * seconds / count - time.monotonic()))
     time.sleep(0.3)
     after = bus.process

@@ -5,6 +5,7 @@ Every run goes through scripts/lab run, so it has its own bus and its processes 
 import importlib
 import os
 import pathlib
+import socket
 import struct
 import subprocess
 import sys
@@ -184,6 +185,51 @@ def leftovers(folder):
         if str(folder) in line:
             found.append(line)
     return found
+
+
+class Bus:
+    """Plain LCM over UDP on this host, in few lines: what a program without our libraries sends and hears."""
+    GROUP = "239.255.76.67"
+
+    def __init__(self, port=7667, timeout=0.2):
+        self.port, self.sequence = port, 0
+        self.out, self.reader = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
+        self.out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        self.out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+        for option in (socket.SO_REUSEADDR, socket.SO_REUSEPORT):
+            self.reader.setsockopt(socket.SOL_SOCKET, option, 1)
+        self.reader.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)
+        self.reader.bind((self.GROUP, port))
+        self.reader.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(self.GROUP) + socket.inet_aton("127.0.0.1"))
+        self.reader.settimeout(timeout)
+
+    def send(self, channel, data):
+        self.sequence += 1
+        self.out.sendto(struct.pack(">II", 0x4C433032, self.sequence) + channel.encode() + b"\0" + data, (self.GROUP, self.port))
+
+    def receive(self):
+        """(channel, data) of the next message that is one packet; None when there was none for the time-out."""
+        try:
+            packet = self.reader.recv(65536)
+        except socket.timeout:
+            return None
+        channel, _, data = packet[8:].partition(b"\0")
+        return channel.decode(errors="replace"), data
+
+    def close(self):
+        self.out.close()
+        self.reader.close()
+
+
+def request(types, sender, number, verb, run=0, **action):
+    """The bytes of a REQUEST; action: target, key, text, values."""
+    message = types.request_t()
+    message.utime, message.run, message.step, message.sender, message.id = int(time.time() * 1e6), run, -1, sender, number
+    message.action.verb = verb
+    for name, value in action.items():
+        setattr(message.action, name, value)
+    message.action.n = len(message.action.values)
+    return message.encode()
 
 
 def robots_are_here():
