@@ -22,7 +22,7 @@ int main() {
 
   // shared_ptr counts the owners of the model; unique_ptr has one owner, and can be moved
   const auto shared = std::make_shared<const rbd::Model>(arm);
-  const auto also = shared;
+  const auto also = shared;  // NOLINT(performance-unnecessary-copy-initialization): it is another owner
   std::cout << "owners of the shared model: " << also.use_count() << "\n";
   auto mine = std::make_unique<rbd::Data>(*shared);
   const auto yours = std::move(mine);

@@ -4,8 +4,10 @@
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <iterator>
 #include <mutex>
 #include <stdexcept>
 
@@ -29,7 +31,8 @@ class Library {
   explicit Library(std::initializer_list<const char*> names) {
     std::string why;
     for (const char* name : names) {
-      if ((handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL))) return;
+      handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+      if (handle_) return;
       if (why.empty()) why = dlerror();
     }
     throw std::runtime_error(why);
@@ -200,9 +203,10 @@ constexpr Backend kBackends[] = {{"osmesa", "OSMesa", make<OsmesaContext>, Osmes
 }  // namespace
 
 void GlEntry::load(void* (*find)(const char*)) {
-  for (GlEntry* entry = first_; entry; entry = entry->next_)
-    if (!(entry->address_ = find(entry->name_)))
-      throw std::runtime_error(std::string("it has no ") + entry->name_);
+  for (GlEntry* entry = first_; entry; entry = entry->next_) {
+    entry->address_ = find(entry->name_);
+    if (!entry->address_) throw std::runtime_error(std::string("it has no ") + entry->name_);
+  }
 }
 
 std::unique_ptr<Context> Context::create() {
@@ -212,11 +216,12 @@ std::unique_ptr<Context> Context::create() {
   if (chosen) return chosen->make();
   const char* setting = std::getenv("LAB_GL");
   const std::string only = setting ? setting : "";
+  const auto asked = [&](const Backend& backend) { return only.empty() || only == backend.key; };
+  if (std::none_of(std::begin(kBackends), std::end(kBackends), asked))
+    throw std::runtime_error("LAB_GL must be osmesa or egl, not '" + only + "'");
   std::string answers;
-  bool known = only.empty();
   for (const Backend& backend : kBackends) {
-    if (!only.empty() && only != backend.key) continue;
-    known = true;
+    if (!asked(backend)) continue;
     try {
       auto context = backend.make();
       context->make_current();
@@ -227,7 +232,6 @@ std::unique_ptr<Context> Context::create() {
       answers += (answers.empty() ? "" : "; ") + std::string(backend.name) + ": " + e.what();
     }
   }
-  if (!known) throw std::runtime_error("LAB_GL must be osmesa or egl, not '" + only + "'");
   throw std::runtime_error("no OpenGL without a screen (install libosmesa6, or libegl1 and libegl-mesa0): " +
                            answers);
 }

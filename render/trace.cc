@@ -58,8 +58,8 @@ void Trace::add_cap(const Point& point, const Vector3d& outwards, bool start) {
   }
 }
 
-// The ring of last_, from which the tube goes on in direction `from` (0: it ends), in the plane that halves the bend.
-void Trace::add_point_rings(const Vector3d& from) {
+// The ring of a point from which the tube goes on in direction `from` (0: it ends), in the plane that halves the bend.
+void Trace::add_point_rings(const Point& point, const Vector3d& from) {
   const bool end = from.isZero(0);
   Vector3d ahead = into_ + from;
   if (ahead.norm() < 1e-3) ahead = first_ ? from : into_;  // it turns back on itself
@@ -68,9 +68,9 @@ void Trace::add_point_rings(const Vector3d& from) {
   x_ = (x_ - x_.dot(ahead) * ahead);
   x_ = x_.norm() > 1e-6 ? Vector3d(x_.normalized()) : Vector3d(ahead.unitOrthogonal());
   y_ = ahead.cross(x_);
-  if (first_) add_cap(*last_, -ahead, true);
-  add_ring(last_->at, Vector3d::Zero(), radius_, last_->colour);
-  if (end) add_cap(*last_, ahead, false);
+  if (first_) add_cap(point, -ahead, true);
+  add_ring(point.at, Vector3d::Zero(), radius_, point.colour);
+  if (end) add_cap(point, ahead, false);
 }
 
 // The next piece begins with the ring that the finished one ends with.
@@ -94,7 +94,7 @@ void Trace::add(const Vector3d& point, const Vector4f& colour) {
   }
   if (!((point - last_->at).norm() > 0.05 * radius_)) return;
   const Vector3d from = (point - last_->at).normalized();
-  add_point_rings(from);
+  add_point_rings(*last_, from);
   if (piece_rings_ > 0 && open_.positions.size() > piece_rings_ * kSides) start_next_piece();
   last_ = {point, colour};
   into_ = from;
@@ -107,7 +107,7 @@ Body Trace::body() const {
   body.annotation = true;
   if (!last_ || first_) return body;
   Trace ended = *this;
-  ended.add_point_rings(Vector3d::Zero());
+  ended.add_point_rings(*last_, Vector3d::Zero());
   ended.pieces_.push_back(finished(std::move(ended.open_)));
   for (const MeshPtr& piece : ended.pieces_) body.parts.emplace_back().mesh = piece;
   return body;

@@ -33,7 +33,7 @@ class Trace {
   void add_ring(const Eigen::Vector3d& centre, const Eigen::Vector3d& lean, double radius,
                 const Eigen::Vector4f& colour);
   void add_cap(const Point& point, const Eigen::Vector3d& outwards, bool start);
-  void add_point_rings(const Eigen::Vector3d& from);
+  void add_point_rings(const Point& point, const Eigen::Vector3d& from);
   void start_next_piece();
 
   double radius_;

@@ -31,7 +31,7 @@ std::vector<std::string> names_of(const std::vector<Folder>& runs) {
 void find_joints(const std::vector<Folder>& runs, Comparison& out) {
   for (const Folder& run : runs) {
     std::vector<std::string> own;
-    for (const TrackedJoint& joint : joints_of(run.logged->run.model)) own.push_back(joint.name);
+    for (const TrackedJoint& joint : joints_of(run.log().run.model)) own.push_back(joint.name);
     if (&run == &runs.front()) {
       out.joints = own;
       continue;
@@ -44,7 +44,7 @@ void find_joints(const std::vector<Folder>& runs, Comparison& out) {
   if (out.same_joints) return;
   std::string note = "The robots differ (";
   for (size_t i = 0; i < runs.size(); ++i)
-    note += (i ? ", " : "") + out.names[i] + ": " + runs[i].logged->robot.model.name;
+    note += (i ? ", " : "") + out.names[i] + ": " + runs[i].log().robot.model.name;
   out.notes.push_back(note + "), so figures over all joints mean nothing: compared are the tool and " +
                       (out.joints.empty() ? "nothing else, as no joint has the same name in all of them."
                                           : "the joints that have the same name in all of them: " +
@@ -53,8 +53,9 @@ void find_joints(const std::vector<Folder>& runs, Comparison& out) {
 
 void find_keys(const std::vector<Folder>& runs, Comparison& out) {
   for (size_t i = 0; i < runs.size(); ++i) {
-    if (!runs[i].experiment) continue;
-    const auto all = key_values(*runs[i].experiment);
+    const std::optional<Experiment>& experiment = runs[i].experiment;
+    if (!experiment) continue;
+    const auto all = key_values(*experiment);
     out.keys.resize(all.size());
     for (size_t k = 0; k < all.size(); ++k) {
       out.keys[k].name = all[k].first;
@@ -154,10 +155,12 @@ std::string in_words(Better better, double first, double other) {
 Comparison compare(const std::vector<Folder>& runs) {
   Comparison out;
   out.names = names_of(runs);
-  for (size_t i = 0; i < runs.size(); ++i)
-    if (!runs[i].logged || runs[i].logged->run.states.empty())
+  for (size_t i = 0; i < runs.size(); ++i) {
+    const std::optional<LoggedRun>& logged = runs[i].logged;
+    if (!logged || logged->run.states.empty())
       throw std::runtime_error(out.names[i] + ": has nothing to compare (" +
-                               (runs[i].logged ? "no whole step in its log" : runs[i].no_log) + ")");
+                               (logged ? "no whole step in its log" : runs[i].no_log) + ")");
+  }
   for (size_t i = 0; i < runs.size(); ++i)
     if (!runs[i].metrics["complete"].get<bool>())
       out.notes.push_back(out.names[i] + " ended early, at step " + json_text(runs[i].metrics["last_step"]) +

@@ -31,7 +31,8 @@ Chart overlaid(const Comparison& all, const std::vector<Folder>& runs, const std
                size_t charts, F&& value) {
   Chart chart{.title = title};
   for (size_t i = 0; i < runs.size(); ++i) {
-    Curve curve{.label = all.names[i], .x = times(runs[i].logged->run), .y = value(runs[i].logged->run)};
+    const Run& run = runs[i].log().run;
+    Curve curve{.label = all.names[i], .x = times(run), .y = value(run)};
     if (curve.y.empty()) continue;
     thin(curve, buckets_for(2 * charts * runs.size()));
     ink(curve, i);
@@ -99,7 +100,7 @@ ChartGroup joints(const Comparison& all, const std::vector<Folder>& runs) {
   for (const std::string& name : all.joints) {
     Chart chart = overlaid(all, runs, name + ": error over time", all.joints.size(),
                            [&](const Run& run) { return error_of(run, name); });
-    const rbd::Model& model = runs[0].logged->run.model;
+    const rbd::Model& model = runs[0].log().run.model;
     out.panels.push_back(
         scaled(name, unit_of(model, model.joints[model.getJointId(name)].idx_v()), std::move(chart)));
   }

@@ -2,6 +2,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,12 @@ struct Folder {
   size_t frames = 0;                     ///< in frames/
   /// Of processes that failed: name, and the last lines of their output.
   std::vector<std::pair<std::string, std::string>> last_lines;
+
+  /// What is logged, where it is known to be there. Throws std::logic_error if it is not.
+  const LoggedRun& log() const {
+    if (!logged) throw std::logic_error(name + ": has no log");
+    return *logged;
+  }
 };
 
 /// Throws std::runtime_error if this is not a run folder. What is missing in it is not an error.

@@ -101,7 +101,9 @@ void Results::open() {
 }
 
 Row Results::add(const std::string& line) {
-  Row row = read(line).value();
+  std::optional<Row> found = read(line);
+  if (!found) throw std::invalid_argument(dir_ + ": not the line of a run: " + line);
+  Row row = std::move(*found);
   const std::lock_guard guard(lock_);
   if (descriptor_ < 0) open();
   if (const ssize_t n = ::write(descriptor_, line.data(), line.size());

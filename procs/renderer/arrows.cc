@@ -48,7 +48,7 @@ void RunScene::set_scales() {
   for (const Push& push : extras_.pushes) newtons = std::max(newtons, push.force.norm());
   const auto scale = [&](double largest, const char* what, const char* unit) {
     if (!(largest > 1e-9)) return Scale{};
-    const double length = round_down(kLongest * placement_->picture_width());
+    const double length = round_down(kLongest * placement_.picture_width());
     const double one = length / round_down(largest);
     return Scale{one, fmt::format("{}: {:g} {} = {:g} m", what, round_down(largest), unit, length)};
   };
@@ -59,7 +59,7 @@ void RunScene::set_scales() {
 /// For the snapshot that set_pose() has been called with.
 void RunScene::add_arrows(const Snapshot& snapshot, render::Scene& scene) {
   if (extras_.arrows.empty()) return;
-  const double width = placement_->picture_width(), radius = 0.0025 * width;
+  const double width = placement_.picture_width(), radius = 0.0025 * width;
   for (render::Body& body : scene.bodies)  // arrows sit inside the links and have to show through them
     if (!body.annotation && body.group == 0) {
       body.opacity = .55f;

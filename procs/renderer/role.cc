@@ -169,10 +169,11 @@ void RendererRole::tick(Micros now) try {
   } else if (next_ < needed_.size() && ready(needed_[next_])) {
     do_next();
     wake_ = now;
-  } else if (last_step_ && next_ >= needed_.size()) {
-    finish();
-  } else if (stopping_ || idle_timer_.elapsed() > std::llround(settings_.deadline * 1e6)) {
-    finish();  // the run broke off: what is drawn is what there is
+  } else {
+    const bool all_drawn = last_step_ && next_ >= needed_.size();
+    // the run broke off: what is drawn is what there is
+    const bool broken_off = stopping_ || idle_timer_.elapsed() > std::llround(settings_.deadline * 1e6);
+    if (all_drawn || broken_off) finish();
   }
 } catch (const std::exception& error) {
   outcome_ = {true, kDied, error.what()};

@@ -51,19 +51,24 @@ RunScene::RunScene(const Robot& robot, const Experiment& e, Extras extras)
       reference_data_(model_),
       robot_(make_bodies(robot, e.renderer.quality, links_, warnings_)),
       traced_(settings_.trace.empty() ? 0 : named_frame(e, "renderer.trace", settings_.trace, model_)),
-      followed_(settings_.follow.empty() ? 0 : named_frame(e, "renderer.follow", settings_.follow, model_)) {
+      followed_(settings_.follow.empty() ? 0 : named_frame(e, "renderer.follow", settings_.follow, model_)),
+      placement_(place_camera(e)) {}
+
+/// The camera for the planned motion; also sets moving_.
+CameraPlacement RunScene::place_camera(const Experiment& e) {
   const std::vector<Eigen::VectorXd> plan = planned_poses(e, model_, kPlanned);
   rbd::forwardKinematics(model_, data_, plan.front());
-  placement_.emplace(settings_, followed_ != 0, followed());
+  CameraPlacement placement(settings_, followed_ != 0, followed());
   Extent planned;
   for (const Eigen::VectorXd& q : plan) {
     pose_bodies(model_, data_, q, robot_);
-    placement_->extend(planned, robot_, followed());
+    placement.extend(planned, robot_, followed());
   }
-  placement_->set_planned(planned);
+  placement.set_planned(planned);
   // the plan's last rest does not count for the colours of time
-  for (size_t i = plan.size(); i-- > 1 && plan[i] == plan[i - 1];)
+  for (size_t i = plan.size() - 1; i > 0 && plan[i] == plan[i - 1]; --i)
     moving_ = duration_ * static_cast<double>(i - 1) / (kPlanned - 1);
+  return placement;
 }
 
 /// Kinematics of a snapshot, and of its reference where that is shown: all that a picture needs.
@@ -98,7 +103,7 @@ void RunScene::remember(const Snapshot& snapshot) {
   if (!samples_.empty() && snapshot.step <= samples_.back().step) return;
   set_pose(snapshot);
   samples_.push_back(sample(snapshot));
-  placement_->extend(extent_, robot_, followed());
+  placement_.extend(extent_, robot_, followed());
   const double value = extras_.trace_by == "error" ? samples_.back().error : samples_.back().speed;
   if (value > max_value_) {
     max_value_ = value;
@@ -111,7 +116,7 @@ void RunScene::remember(const Snapshot& snapshot) {
 }
 
 void RunScene::finish_run() {
-  placement_->include_run(extent_);
+  placement_.include_run(extent_);
   set_scales();
   trace_.reset();  // its radius depends on the camera
 }
@@ -127,7 +132,7 @@ Eigen::Vector4f RunScene::colour(const Sample& s) const {
 
 /// The path up to now: the trace of the picture before goes on from where it was.
 void RunScene::add_trace(const Sample& now, render::Scene& scene) {
-  const double width = placement_->picture_width();
+  const double width = placement_.picture_width();
   if (!trace_ || (traced_samples_ > 0 && samples_[traced_samples_ - 1].step >= now.step)) {
     trace_.emplace(kTraceRadius * width);
     traced_samples_ = 0;
@@ -153,7 +158,7 @@ void RunScene::add_reference(const std::vector<render::Body>& robot, render::Sce
 
 Shot RunScene::shot(const Snapshot& snapshot) {
   set_pose(snapshot);
-  Shot shot{snapshot.step, snapshot.time, {}, robot_, placement_->at(snapshot.time, followed())};
+  Shot shot{snapshot.step, snapshot.time, {}, robot_, placement_.at(snapshot.time, followed())};
   if (!settings_.trace.empty()) add_trace(sample(snapshot), shot.scene);
   if (settings_.reference && snapshot.reference.size() > 0) add_reference(shot.robot, shot.scene);
   shot.scene.bodies.insert(shot.scene.bodies.end(), shot.robot.begin(), shot.robot.end());
@@ -180,7 +185,7 @@ std::vector<size_t> RunScene::even_samples(const std::vector<double>& along, int
 
 Shot RunScene::ghosts(int64_t n) {
   Shot shot;
-  shot.camera = placement_->still();
+  shot.camera = placement_.still();
   render::Scene& scene = shot.scene;
   if (samples_.empty()) return shot;
   // how far along the path each sample is: in joint space, so that a rest takes no room
@@ -212,7 +217,7 @@ Shot RunScene::ghosts(int64_t n) {
     points.push_back(samples_[i].point);
     colours.push_back(extras_.trace_by == "time" ? render::ramp_time(share(i)) : colour(samples_[i]));
   }
-  const double width = placement_->picture_width();
+  const double width = placement_.picture_width();
   scene.bodies.push_back(render::make_trace(points, colours, kTraceRadius * width));
   chosen.push_back(samples_.size() - 1);
   for (size_t i : chosen)

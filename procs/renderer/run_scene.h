@@ -76,6 +76,7 @@ class RunScene {
     std::string text;
   };
 
+  CameraPlacement place_camera(const Experiment&);
   bool shows(const char* arrows) const;
   std::vector<rbd::FrameIndex> moving_frames() const;
   void set_pose(const Snapshot&);
@@ -98,7 +99,7 @@ class RunScene {
   std::vector<std::string> links_{""}, warnings_;
   std::vector<render::Body> robot_;
   rbd::FrameIndex traced_ = 0, followed_ = 0;
-  std::optional<CameraPlacement> placement_;
+  CameraPlacement placement_;  ///< made from the members above
   std::vector<Sample> samples_;
   Extent extent_;                       ///< of the samples
   double max_value_ = 0;                ///< speed or error: the end of the trace's colours

@@ -17,8 +17,6 @@
 
 #include "core/util/atomic_file.h"
 
-extern char** environ;
-
 namespace lab::renderer {
 namespace {
 

@@ -2,8 +2,9 @@
 
 #include <rbd/algorithm/kinematics.h>
 
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <stdexcept>
 
 #include "core/util/number.h"
@@ -17,7 +18,7 @@ namespace {
 Eigen::Index difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   if (a.size() != b.size()) return 0;
   for (Eigen::Index i = 0; i < a.size(); ++i)
-    if (std::memcmp(&a[i], &b[i], sizeof(double)) != 0) return i;
+    if (std::bit_cast<uint64_t>(a[i]) != std::bit_cast<uint64_t>(b[i])) return i;
   return -1;
 }
 

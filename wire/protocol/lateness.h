@@ -20,8 +20,10 @@ class Lateness {
   /// us: this share of the ticks (0..1) was at most so late; 0 without a tick.
   Micros quantile(double share) const {
     int64_t left = static_cast<int64_t>(share * static_cast<double>(total_));
-    for (size_t us = 0; us < kBins; ++us)
-      if ((left -= counts_[us]) < 0) return static_cast<Micros>(us);
+    for (size_t us = 0; us < kBins; ++us) {
+      left -= counts_[us];
+      if (left < 0) return static_cast<Micros>(us);
+    }
     return longest_;
   }
   Micros longest() const { return longest_; }

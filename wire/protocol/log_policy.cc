@@ -29,7 +29,8 @@ void LockstepLogPolicy::file(Channel channel, std::span<const uint8_t> bytes, Mi
 
 /// STATE k+1 carries the digest of step k, END that of the last.
 std::optional<int64_t> LockstepLogPolicy::published_digest(int64_t step) {
-  if (log_.end() && log_.end()->step == step) return log_.end()->digest;
+  const std::optional<end_t>& end = log_.end();
+  if (end && end->step == step) return end->digest;
   const StepRecord* next = ring_.find(step + 1);
   if (!next || next->state.empty()) return std::nullopt;
   return peek_digest(next->state);

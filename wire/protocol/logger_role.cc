@@ -11,7 +11,7 @@ namespace lab {
 
 LoggerRole::LoggerRole(LoggerConfig config, BeginRun begin, RunLog::MakeTypes types, LogSink& sink,
                        Publish publish)
-    : config_(std::move(config)),
+    : config_(config),
       begin_(std::move(begin)),
       types_(std::move(types)),
       sink_(sink),

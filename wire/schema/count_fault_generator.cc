@@ -49,7 +49,7 @@ void write(const std::string& path, const std::string& text) {
   if (!out.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
-int generate(const std::string& folder, std::vector<std::string> files) {
+int generate(const std::string& folder, const std::vector<std::string>& files) {
   std::vector<Type> types;
   std::set<std::string> enums;
   for (const std::string& file : files) {

@@ -72,7 +72,7 @@ class Walker {
  private:
   using Op = Schema::Op;
 
-  bool fail(int type, const Op& op, std::string what, int64_t index = -1) {
+  bool fail(int type, const Op& op, const std::string& what, int64_t index = -1) {
     const Field& f = s_.types_[type].fields[op.field];
     std::string name = f.name;
     if (index >= 0 && !f.dims.empty()) name += "[" + std::to_string(index) + "]";

@@ -68,7 +68,11 @@ CopyMap copyModel(const char* function, const Model& source, const CopyPlan& pla
   map.frame.assign(static_cast<std::size_t>(source.nframes), plan.frame);
   const std::vector<Inertia> bodies = target.inertias;
   const int nbodies = target.nbodies + source.nbodies - 1;
-  const auto welded = [&](JointIndex j) { return !plan.weld.empty() && plan.weld[j].has_value(); };
+  const auto welded = [&](JointIndex j) -> const SE3* {  // where; null: it moves
+    if (plan.weld.empty()) return nullptr;
+    const std::optional<SE3>& pose = plan.weld[j];
+    return pose ? &*pose : nullptr;
+  };
 
   // frames keep their order; a joint is made where its own frame stands, so parents come first
   for (FrameIndex f = 1; f < source.nframes; ++f) {
@@ -79,7 +83,8 @@ CopyMap copyModel(const char* function, const Model& source, const CopyPlan& pla
     if (own) {
       const JointIndex parent = source.parents[j];
       const SE3 placement = map.pose[parent] * source.jointPlacements[j];
-      if (!welded(j)) {
+      const SE3* weld = welded(j);
+      if (!weld) {
         map.joint[j] = target.addJoint(map.joint[parent], source.joints[j], placement, frame.name);
         map.pose[j] = SE3::Identity();
         map.frame[f] = target.nframes - 1;
@@ -87,7 +92,7 @@ CopyMap copyModel(const char* function, const Model& source, const CopyPlan& pla
         continue;
       }
       map.joint[j] = map.joint[parent];
-      map.pose[j] = placement * *plan.weld[j];
+      map.pose[j] = placement * *weld;
       frame.type = FIXED_JOINT;
     }
     frame.placement = map.pose[j] * frame.placement;

@@ -76,9 +76,11 @@ class Builder {
   // Leaders may stand anywhere, so this waits until all joints are there.
   void follow_leaders() {
     for (JointIndex j = 1; j < model_.njoints; ++j) {
-      const auto joint = robot_.joints.find(model_.names[j]);  // not there: the root joint
-      if (joint == robot_.joints.end() || !joint->second.mimic) continue;
-      const Mimic& mimic = *joint->second.mimic;
+      const auto found = robot_.joints.find(model_.names[j]);
+      if (found == robot_.joints.end()) continue;  // the root joint
+      const Joint& joint = found->second;
+      if (!joint.mimic) continue;
+      const Mimic& mimic = *joint.mimic;
       model_.setMimic(j, model_.jointId(mimic.leader), mimic.multiplier, mimic.offset);
     }
   }

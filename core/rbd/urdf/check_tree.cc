@@ -107,9 +107,9 @@ bool has_many_dofs(const Joint& joint) {
 }
 
 // Why this joint cannot follow that leader; "" if it can.
-std::string mimic_fault(const Description& robot, const Joint& joint) {
-  const std::string says = "mimics joint '" + joint.mimic->leader + "', ";
-  const auto found = robot.joints.find(joint.mimic->leader);
+std::string mimic_fault(const Description& robot, const Joint& joint, const Mimic& mimic) {
+  const std::string says = "mimics joint '" + mimic.leader + "', ";
+  const auto found = robot.joints.find(mimic.leader);
   if (found == robot.joints.end()) return says + "which does not exist";
   const Joint& leader = found->second;
   if (leader.type == JointType::Fixed) return says + "which is fixed";
@@ -119,12 +119,12 @@ std::string mimic_fault(const Description& robot, const Joint& joint) {
          ": only joints of one degree of freedom can mimic or lead";
 }
 
-using Leaders = std::map<std::string, std::string>;  // follower -> leader
+using Leaders = std::map<std::string, const Mimic*>;  // follower -> whom it mimics
 
 bool leads_to_itself(const std::string& name, const Leaders& leaders) {
-  std::string at = leaders.at(name);
+  std::string at = leaders.at(name)->leader;
   for (size_t steps = 0; steps < leaders.size() && at != name && leaders.count(at); ++steps)
-    at = leaders.at(at);
+    at = leaders.at(at)->leader;
   return at == name;
 }
 
@@ -172,23 +172,22 @@ void check_mimic(const Description& robot, bool honoured, Report& report) {
     report.add(mimic.faults);
     if (mimic.multiplier == 0) report.warn(mimic.line, owner, "mimic multiplier is 0: the joint never moves");
     if (mimic.leader.empty()) continue;
-    if (const std::string fault = mimic_fault(robot, joint); !fault.empty()) {
+    if (const std::string fault = mimic_fault(robot, joint, mimic); !fault.empty()) {
       report.add(severity, mimic.line, owner, fault);
     } else {
-      leaders[name] = mimic.leader;
+      leaders[name] = &mimic;
     }
   }
-  for (const auto& [name, leader] : leaders) {
+  for (const auto& [name, mimic] : leaders) {
     if (!leads_to_itself(name, leaders)) continue;
-    const Joint& joint = robot.joints.at(name);
-    report.error(joint.mimic->line, owner_of(joint), "mimics itself, through joint '" + leader + "'");
+    report.error(mimic->line, owner_of(robot.joints.at(name)),
+                 "mimics itself, through joint '" + mimic->leader + "'");
     return;
   }
   if (report.failed() || honoured) return;
-  for (const auto& [follower, leader] : leaders) {
-    const Joint& joint = robot.joints.at(follower);
-    report.note(joint.mimic->line, owner_of(joint),
-                "<mimic> of joint '" + leader + "' is left out as asked: a free joint");
+  for (const auto& [follower, mimic] : leaders) {
+    report.note(mimic->line, owner_of(robot.joints.at(follower)),
+                "<mimic> of joint '" + mimic->leader + "' is left out as asked: a free joint");
   }
 }
 
