@@ -102,13 +102,18 @@ def drawn(folder, seed, only):
     return sorted(places, key=lambda p: hashlib.sha256(f"{seed} {p.file} {p.before} {p.nth} {p.index}".encode()).digest())
 
 
+def limit():
+    """A mutant may go on for ever and take all memory; a part of the build, count_fault_generator, is made of mutants too."""
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+    resource.setrlimit(resource.RLIMIT_CPU, (60, 60))  # s, each process
+
+
 def succeeds(folder, *command):
-    """(whether the command did well, what it printed): with limits, because a mutant may go on for ever and take all memory."""
+    """(whether the command did well within the limits, what it printed)"""
     env = {**os.environ, "LAB_BUILD": str(folder / "build" / "dev"), "LAB_TEST_DEADLINE": "30", "GTEST_FAIL_FAST": "1",
            "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(["timeout", "-k", "10", "1200", *command], env=env, cwd=folder / "tests" / "system", text=True, errors="replace",
-                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (16 << 30, 16 << 30)))
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=limit)
     return done.returncode == 0, done.stdout
 
 
