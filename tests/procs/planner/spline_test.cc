@@ -160,5 +160,18 @@ TEST(Spline, OutsideNamesTheFirstPlace) {
   EXPECT_NEAR(found.at, 1, 1e-6);
 }
 
+// Beyond a limit by exactly 1e-9, which may be rounding, is inside; by the next number it is not.
+TEST(Spline, OutsideForgivesRoundingOnly) {
+  const VectorXd low = VectorXd::Constant(1, -0.5), high = VectorXd::Constant(1, 0.5);
+  const auto rests_inside = [&](double q) {
+    const VectorXd point = VectorXd::Constant(1, q);
+    return outside(through({0, 1}, {point, point}, Ends::Rest), low, high).joint < 0;
+  };
+  for (const double edge : {0.5 + 1e-9, -0.5 - 1e-9}) {
+    EXPECT_TRUE(rests_inside(edge)) << edge;
+    EXPECT_FALSE(rests_inside(std::nextafter(edge, 2 * edge))) << edge;
+  }
+}
+
 }  // namespace
 }  // namespace lab::planner

@@ -36,6 +36,8 @@ TEST(Send, GoalForSomeJointsKeepsTheOthers) {
             "goal: the robot has no joint 'elbo'; did you mean 'elbow'?");
   EXPECT_EQ(refusal([] { goal(Words{"elbow=1", "2"}, 0, kJoints, {0, 0}); }),
             "goal: '2': either all numbers or JOINT=VALUE");
+  EXPECT_EQ(refusal([] { goal(Words{"elbow=1"}, 0, kJoints, {0, 0, 0}); }),
+            "goal: this robot's configuration has other parts than joints; give all of its numbers");
 }
 
 TEST(Send, FollowersTakeNoGoals) {

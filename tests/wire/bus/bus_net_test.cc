@@ -325,6 +325,16 @@ TEST(OwnEndpoint, AFirewallIsSurvivedAndCounted) {
   EXPECT_EQ(collect(*bus, 1).size(), 1u);
 }
 
+TEST(Liblcm, WhatCannotBeSentIsCounted) {
+  if (!is_private()) GTEST_SKIP() << "start it with tests/support/netns.sh";
+  const auto bus = open_bus(url(next_port(), "&backend=liblcm"));
+  ASSERT_EQ(std::system("ip route del 224.0.0.0/4 dev lo"), 0);
+  bus->publish("X", noise(10, 1));
+  ASSERT_EQ(std::system("ip route add 224.0.0.0/4 dev lo"), 0);
+  EXPECT_EQ(bus->counters().send_failed, 1);
+  EXPECT_EQ(bus->counters().sent, 0);
+}
+
 TEST(Liblcm, OtherProvidersHearThemselves) {
   const auto bus = open_bus("memq://");
   for (uint8_t i = 0; i < 100; ++i) bus->publish("X", Bytes{i});  // liblcm's queue would hold 30

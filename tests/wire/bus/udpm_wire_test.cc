@@ -271,5 +271,15 @@ TEST(UdpmFilter, FragmentsPassOtherMagicsDoNot) {
                std::invalid_argument);
 }
 
+// The kernel takes 4096 instructions. Twelve are for no name; a name of three letters is one word, compared and passed in
+// three, one of five letters two words in five.
+TEST(UdpmFilter, IsAsLongAsTheKernelTakes) {
+  std::vector<std::string> names(1358, "abc");
+  names.insert(names.end(), 2, "abcde");
+  EXPECT_EQ(channel_filter(names, 1, 1).size(), static_cast<size_t>(BPF_MAXINSNS));
+  names.push_back("abc");
+  EXPECT_THROW(channel_filter(names, 1, 1), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace lab::udpm

@@ -4,6 +4,7 @@
 #include <lcm/eventlog.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
@@ -266,6 +267,20 @@ TEST_F(LogFiles, FullDiskKeepsWhatWasWhole) {
   EXPECT_EQ(what, path("full.lcm.part") + ": writing: File too large");
   EXPECT_FALSE(std::filesystem::exists(path("full.lcm")));
   EXPECT_EQ(std::filesystem::file_size(path("full.lcm.part")), 28u + 5 + 1000);
+}
+
+// Also where the process has no standard input, and the next file is number 0.
+TEST_F(LogFiles, NoFileStaysOpenBehindAFinishedLog) {
+  const int input = fcntl(0, F_DUPFD_CLOEXEC, 3);
+  ::close(0);
+  write("whole.lcm");
+  const int left_open = fcntl(0, F_GETFD);
+  ::close(0);
+  if (input >= 0) {
+    dup2(input, 0);
+    ::close(input);
+  }
+  EXPECT_EQ(left_open, -1);
 }
 
 TEST_F(LogFiles, ErrorsNameThePath) {

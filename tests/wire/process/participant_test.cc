@@ -35,6 +35,9 @@ class Script : public Role {
   }
   Micros wake() const override { return INT64_MAX; }
   void stop(Micros) override { outcome_.ended = true; }
+  void stranger(Channel channel, const std::string& reason, Micros) override {
+    strangers.push_back(std::string(row(channel).name) + ": " + reason);
+  }
   const Outcome& outcome() const override { return outcome_; }
   std::string state() const override { return "RUNNING"; }
   int64_t step() const override { return kStep; }
@@ -46,6 +49,7 @@ class Script : public Role {
   std::function<void()> send = [] {};
   std::function<bool()> done = [] { return true; };
   std::vector<std::pair<Channel, Bytes>> heard;
+  std::vector<std::string> strangers;
 
  private:
   Outcome outcome_;
@@ -59,9 +63,9 @@ class ParticipantTest : public testing::Test {
     for (const char* name : {"LAB_RUN_DIR", "LAB_GUESTS", "LAB_BUS", "LAB_FAULT_DROP"}) unsetenv(name);
     become(kSimulator);
   }
-  void become(const char* name) {
+  void become(const char* name, std::vector<Channel> channels = {}) {
     participant_ = std::make_unique<Participant>(
-        ParticipantOptions{.name = name, .url = "memq://", .prefix = "", .channels = {}});
+        ParticipantOptions{.name = name, .url = "memq://", .prefix = "", .channels = std::move(channels)});
     publish_ = participant_->publish();
   }
   static Bytes command(int64_t step, double tau, int64_t run = kRun) {
@@ -158,6 +162,21 @@ TEST_F(ParticipantTest, OnlyProcessesOfThisLaunchReachTheRole) {
   EXPECT_EQ(newest(kPlanner).state, "READY");
   EXPECT_EQ(newest(kLogger).state, "");
   EXPECT_EQ(newest(kController).state, "") << "no nonce is another nonce, except a guest's";
+}
+
+// Whatever channels a process has asked for: PROCESS says whose the messages on them are. Its role is given only these.
+TEST_F(ParticipantTest, ListensToProcessesWithAnyListOfChannels) {
+  become(kController, {Channel::RobotState});
+  role_.send = [&] {
+    publish_(Channel::Process, process(kPlanner, kNonce));
+    publish_(Channel::Process, process(kLogger, kNonce + 1));
+    publish_(Channel::Reference, reference(kStep));
+    publish_(Channel::RobotState, state(kStep));
+  };
+  role_.done = [&] { return !steps(Channel::RobotState).empty(); };
+  EXPECT_EQ(participant_->run(role_), kOk);
+  EXPECT_EQ(role_.strangers, std::vector<std::string>{"PROCESS: a logger of another lab"});
+  EXPECT_EQ(role_.heard.size(), 1u);
 }
 
 // The simulator knows the last ROBOT_STATE as its own step.

@@ -51,9 +51,28 @@ struct Bench {
     return log.kept;
   }
 
+  /// Lets the clock go on from the last time, by ticks that are never far apart.
+  void wait(Micros how_long) {
+    for (const Micros end = now + how_long; now < end;) {
+      now = std::min(end, now + kRepeat);
+      logger.tick(now);
+    }
+  }
+
+  /// Counts what a file would be asked for.
+  struct Sink : MemorySink {
+    using MemorySink::MemorySink;
+    void flush() override {
+      ++flushes;
+      MemorySink::flush();
+    }
+    int flushes = 0;
+  };
+
+  Micros now = 0;
   std::vector<std::pair<Channel, Bytes>> sent;
   MemoryLog log;
-  MemorySink sink{log};
+  Sink sink{log};
   LoggerRole logger{LoggerConfig{}, toy_setup, [](int64_t) { return std::vector<Bytes>{}; }, sink,
                     [this](Channel channel, std::span<const uint8_t> bytes) {
                       sent.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
@@ -94,6 +113,65 @@ TEST(LockstepLogger, EndSaysTheBytesOfTheLastStep) {
   bench.logger.receive(Channel::Command, command(0, 2.5), 0);
   EXPECT_TRUE(bench.log.closed);
   EXPECT_EQ(bench.log.kept.size(), 5u);
+}
+
+// The state of the next step is there before the answers to this one: only the one after that shows a loss at once.
+TEST(LockstepLogger, AsksAtOnceWhenAStateIsTwoAhead) {
+  Bench bench;
+  bench.logger.receive(Channel::RobotState, state(0, 0), 0);
+  bench.logger.tick(0);  // the request that is due after RUN
+  const size_t before = bench.steps_asked_for().size();
+  bench.logger.receive(Channel::RobotState, state(1, used_digest()), 1);
+  bench.logger.tick(1);
+  EXPECT_EQ(bench.steps_asked_for().size(), before);
+  bench.logger.receive(Channel::RobotState, state(2, 7), 2);
+  bench.logger.tick(2);
+  EXPECT_GT(bench.steps_asked_for().size(), before);
+}
+
+TEST(LockstepLogger, FlushesOnlyALogThatIsOpen) {
+  Bench bench;
+  const int opened = bench.sink.flushes;
+  bench.wait(3 * kRepeat);
+  EXPECT_GE(bench.sink.flushes, opened + 2);
+  auto end = message_of<end_t>(kRun, kBeforeStart);
+  bench.logger.receive(Channel::End, encode(end), bench.now);
+  ASSERT_TRUE(bench.log.closed);
+  const int closed = bench.sink.flushes;
+  bench.wait(3 * kRepeat);
+  EXPECT_EQ(bench.sink.flushes, closed);
+
+  MemoryLog none;
+  Bench::Sink unopened{none};
+  LoggerRole early{LoggerConfig{}, toy_setup, [](int64_t) { return std::vector<Bytes>{}; }, unopened,
+                   [](Channel, std::span<const uint8_t>) {}};
+  early.tick(kRepeat);
+  EXPECT_EQ(unopened.flushes, 0);
+}
+
+TEST(LockstepLogger, ARunThatItCannotReadEndsIt) {
+  MemoryLog log;
+  MemorySink sink{log};
+  LoggerRole logger{LoggerConfig{}, [](const run_t&) -> RunSetup { throw std::runtime_error("no robot"); },
+                    [](int64_t) { return std::vector<Bytes>{}; }, sink,
+                    [](Channel, std::span<const uint8_t>) {}};
+  logger.receive(Channel::Run, encode(message_of<run_t>(kRun, kBeforeStart)), 0);
+  EXPECT_TRUE(logger.outcome().ended);
+  EXPECT_EQ(logger.outcome().exit_code, kBadConfig);
+  EXPECT_EQ(logger.outcome().reason, "no robot");
+  EXPECT_EQ(logger.state(), "FAULT");
+}
+
+TEST(LockstepLogger, SilenceEndsItAndTheLogIsClosed) {
+  Bench bench;
+  bench.logger.tick(0);
+  bench.wait(LoggerConfig{}.deadline);
+  EXPECT_FALSE(bench.logger.outcome().ended);
+  bench.wait(1);
+  EXPECT_TRUE(bench.logger.outcome().ended);
+  EXPECT_EQ(bench.logger.outcome().exit_code, kTransport);
+  EXPECT_EQ(bench.logger.outcome().reason, "nothing heard in 10 s after step -1");
+  EXPECT_TRUE(bench.log.closed);
 }
 
 }  // namespace

@@ -46,6 +46,15 @@ TEST(SchemaParser, ErrorsNameFileAndLine) {
   EXPECT_EQ(parse_error("struct s { }\nstruct s { }"), "x.lcm: struct s is declared twice, before in x.lcm");
   EXPECT_EQ(parse_error("struct s { int32_t n[n]; }"),
             "x.lcm:1: array size 'n' is neither a number nor a member declared before");
+  EXPECT_EQ(parse_error("enum e { A = 1, B = 1 }"), "x.lcm:1: enum values 'A' and 'B' are the same");
+  EXPECT_EQ(parse_error("enum e { A = 1, A = 2 }"), "x.lcm:1: enum values 'A' and 'A' are the same");
+}
+
+TEST(SchemaParser, KindsHaveTheNamesOfTheTexts) {
+  std::string names;
+  for (int kind = 0; kind <= static_cast<int>(Kind::Struct); ++kind)
+    names += std::string(kind_name(static_cast<Kind>(kind))) + " ";
+  EXPECT_EQ(names, "int8_t int16_t int32_t int64_t byte float double string boolean enum struct ");
 }
 
 TEST(SchemaParser, TextThatIsNotEvenClose) {
