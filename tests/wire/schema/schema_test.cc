@@ -7,6 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "wire/schema/schema_parse.h"
+
 namespace lab {
 namespace {
 
