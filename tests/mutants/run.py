@@ -56,6 +56,7 @@ TESTS = [
     ("procs/planner/*", "planner_test", LABS),
     ("procs/controller/*", "controller_test laws_test own_model_test", LABS),
     ("procs/logger/*", "log_files_test", LABS),
+    ("procs/renderer/[rl]o*", "renderer_role_test", "test_pictures.py"),
     ("procs/renderer/*", "renderer_work_test renderer_pictures_test", "test_pictures.py"),
     ("procs/send/*", "send_test", LABS),
     ("procs/spy/*", "", "test_spy.py"),

@@ -316,3 +316,14 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   kill -INT $boss
   code_of $boss
 }
+
+@test "logs are put aside under the first number that none of them has" {
+  local dir=$BATS_TEST_TMPDIR/run/processes
+  mkdir -p "$dir"
+  touch "$dir/.."/{log.lcm,telemetry.lcm.part,log-1.lcm,telemetry-2.lcm,log-3.lcm.part}
+  # shellcheck source=scripts/lib-process.sh
+  . "$ROOT/scripts/lib-process.sh"
+  set_logs_aside
+  [ "$(find "$dir/.." -name '*lcm*' -printf '%f\n' | sort | xargs)" = \
+    "log-1.lcm log-3.lcm.part log-4.lcm telemetry-2.lcm telemetry-4.lcm.part" ]
+}

@@ -113,6 +113,33 @@ TEST(PlannerLive, HeldItStaysWithTheRobotAndThenGoesOnWithoutAJump) {
   EXPECT_GT(std::abs(f.last.v[0]) + std::abs(f.last.a[0]), 1e-3) << "it swings again";
 }
 
+// Also where the motion itself is at rest: the way back from where the robot was stopped takes its time.
+TEST(PlannerLive, HeldElsewhereItComesBackToARestWithoutAJump) {
+  Experiment e;
+  e.planner.kind = "hold";
+  Follower f(make_config(e, arm()));
+  for (int k = 0; k < 10; ++k) f.next();
+  f.robot.q += Eigen::VectorXd::Constant(6, 0.05);
+  f.next(true);
+  for (int k = 0; k < 3000; ++k) f.next();
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(f.last.q[i], f.config.q0[i], 1e-12);
+}
+
+// A goal in a given time whose peak, 15/8 of the mean speed, is just the limit: 0.5 rad in 0.9375 s at 1 rad/s.
+TEST(PlannerLive, AGoalAtTheSpeedLimitIsTaken) {
+  rbd::Model model = arm();
+  model.upperVelocityLimit[0] = 1;
+  model.lowerVelocityLimit[0] = -1;
+  const Config config = make_config(Experiment(), model);
+  for (const auto& [duration, taken] : {std::pair("0.9375", true), {"0.937", false}}) {
+    State state = initial(config);
+    std::vector<double> goal(config.q0.begin(), config.q0.end());
+    goal[0] += 0.5;
+    const std::vector<Action> actions{{"goal", "", "duration", duration, goal}};
+    EXPECT_EQ(step(config, state, {.step = 0, .actions = actions}).events.empty(), taken) << duration;
+  }
+}
+
 // v is the derivative of q and a that of v through ramp and offset: central differences, error O(dt^2); where the ramp
 // begins and ends the jerk jumps by up to 30 rad/s^3, which a central difference of v sees as 30 dt / 4.
 TEST(PlannerLive, VelocityAndAccelerationAreTheDerivatives) {

@@ -144,6 +144,13 @@ TEST(Spline, StretchedItIsTheSameCurve) {
   }
 }
 
+TEST(Spline, BeyondItsEndsItIsItsEndPieces) {
+  const Given g = some(7, 3, false);
+  const Spline s = through(g.knots, g.points, Ends::Rest);
+  EXPECT_EQ(on(s, -0.1).q, on(s.pieces.front(), -0.1).q);
+  EXPECT_EQ(on(s, s.end() + 0.1).q, on(s.pieces.back(), s.end() + 0.1).q);
+}
+
 TEST(Spline, OutsideNamesTheFirstPlace) {
   // 0, 1, 0 at rest at both ends: the top is at 1
   const std::vector<VectorXd> points{VectorXd::Zero(2), VectorXd::Ones(2), VectorXd::Zero(2)};
