@@ -56,8 +56,10 @@ TESTS = [
     ("procs/planner/*", "planner_test", LABS),
     ("procs/controller/*", "controller_test laws_test own_model_test", LABS),
     ("procs/logger/*", "log_files_test", LABS),
-    ("procs/renderer/[rl]o*", "renderer_role_test", "test_pictures.py"),
-    ("procs/renderer/*", "renderer_work_test renderer_pictures_test", "test_pictures.py"),
+    ("procs/renderer/role.*", "renderer_role_test", "test_pictures.py"),
+    ("procs/renderer/[efw]*", "renderer_work_test", "test_pictures.py"),  # encoder, frames, from_log, workers
+    ("procs/renderer/[lmv]*", "", "test_pictures.py"),  # logged, main, video
+    ("procs/renderer/*", "renderer_pictures_test", "test_pictures.py"),
     ("procs/send/*", "send_test", LABS),
     ("procs/spy/*", "", "test_spy.py"),
     ("procs/solo/*", "direct_test", RUN),

@@ -140,6 +140,24 @@ TEST(PlannerLive, AGoalAtTheSpeedLimitIsTaken) {
   }
 }
 
+// The shortest time is that of a start at rest, 15/8 s for 1 rad at 1 rad/s: moving the other way, the arm needs more of it.
+TEST(PlannerLive, AGoalWithoutATimeTakesAsLongAsItMust) {
+  rbd::Model model = arm();
+  model.upperVelocityLimit[0] = 1;
+  model.lowerVelocityLimit[0] = -1;
+  Experiment e;
+  e.simulator.duration = 100;
+  e.planner.kind = "sinusoid";
+  e.planner.amplitude.value = JointValues::Named{{"joint1_base_yaw", -0.3}};
+  e.planner.speed = 1;
+  const Config config = make_config(e, model);
+  for (const auto& [key, duration] : {std::pair("", ""), {"duration", "1.875"}}) {
+    State state = initial(config);
+    const std::vector<Action> actions{{"goal", "", key, duration, {1, 0, 0, 0, 0, 0}}};
+    EXPECT_EQ(step(config, state, {.step = 0, .actions = actions}).events.empty(), *key == '\0');
+  }
+}
+
 // v is the derivative of q and a that of v through ramp and offset: central differences, error O(dt^2); where the ramp
 // begins and ends the jerk jumps by up to 30 rad/s^3, which a central difference of v sees as 30 dt / 4.
 TEST(PlannerLive, VelocityAndAccelerationAreTheDerivatives) {

@@ -108,9 +108,9 @@ TEST_F(RoleTest, OfARunThatBreaksOffItKeepsWhatItHas) {
   hear_state(0);
   hear_state(50);
   draw();
-  tick(now_ + 200'000);
+  tick(now_ + 199'000);
   EXPECT_FALSE(role_.outcome().ended);
-  tick(now_ + 1);
+  tick(now_ + 2'000);
   ASSERT_TRUE(role_.outcome().ended);
   EXPECT_EQ(role_.outcome().exit_code, kOk);
   EXPECT_EQ(frames_, (std::vector<int64_t>{0, 50}));

@@ -96,6 +96,20 @@ TEST(RunScene, TheReferenceIsAGhostOnlyWhereItIsNotTheRobot) {
   EXPECT_EQ(ghosts(0.2), 6) << "all but the base";
 }
 
+TEST(RunScene, ASnapshotMayHaveNoVelocities) {
+  const Experiment e = sample_experiment();
+  const Robot robot = load_robot(e);
+  RunScene run(robot, e);
+  Snapshot snapshot = sample_moment(robot.model, 50);
+  const std::vector<Body> moving = run.shot(snapshot).robot;
+  run.shot(sample_moment(robot.model, 90));  // elsewhere
+  snapshot.v.resize(0);
+  const std::vector<Body> still = run.shot(snapshot).robot;
+  ASSERT_EQ(moving.size(), still.size());
+  for (size_t i = 0; i < still.size(); ++i)
+    EXPECT_EQ(moving[i].pose.matrix(), still[i].pose.matrix()) << still[i].name;
+}
+
 TEST(RunScene, PicturesDoNotDependOnWhatComesLater) {  // live pictures are those from the log
   const Experiment e = sample_experiment("{trace: effector_body}");
   const Robot robot = load_robot(e);
