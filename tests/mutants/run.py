@@ -114,11 +114,11 @@ def limit():
     resource.setrlimit(resource.RLIMIT_CPU, (60, 60))  # s, each process
 
 
-def succeeds(folder, *command):
+def succeeds(folder, *command, seconds=1200):
     """(whether the command did well within the limits, what it printed)"""
     env = {**os.environ, "LAB_BUILD": str(folder / "build" / "dev"), "LAB_TEST_DEADLINE": "30", "GTEST_FAIL_FAST": "1",
-           "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run(["timeout", "-k", "10", "1200", *command], env=env, cwd=folder / "tests" / "system", text=True, errors="replace",
+           "BATS_TEST_TIMEOUT": "20", "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(["timeout", "-k", "10", str(seconds), *command], env=env, cwd=folder / "tests" / "system", text=True, errors="replace",
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=limit)
     return done.returncode == 0, done.stdout
 
@@ -128,20 +128,21 @@ def build(folder, targets, jobs):
     return succeeds(folder, folder / "scripts" / "lab", "build", "--preset", "dev", "-j", str(jobs), *words)[0]
 
 
-def test(folder, *command):
+def test(folder, *command, seconds):
     """The command on a network and with process numbers of its own, so that nothing of a mutant is left."""
     netns = folder / "tests" / "support" / "netns.sh"
-    return succeeds(folder, netns, "unshare", "--pid", "--fork", "--kill-child", "--mount-proc", *command)
+    return succeeds(folder, netns, "unshare", "--pid", "--fork", "--kill-child", "--mount-proc", *command, seconds=seconds)
 
 
 def unit_test(folder, name):
-    name = re.sub("(.*)_smoke$", r"fuzz_\1", name)
-    return test(folder, "ctest", "--test-dir", folder / "build" / "dev", "-R", f"^{name}$", "--timeout", "60", "--no-tests=error")[0]
+    pattern = "^" + re.sub("(.*)_smoke$", r"fuzz_\1", name) + "$"
+    return test(folder, "ctest", "--test-dir", folder / "build" / "dev", "-R", pattern, "--no-tests=error", seconds=120)[0]
 
 
 def system_tests(folder, words):
     """The first system test that fails, or None."""
-    fine, said = test(folder, "sh", "-c", f"exec pytest-3 -x -q -rf -p no:cacheprovider -m 'not (robots or ffmpeg)' {words}")
+    pytest = f"exec pytest-3 -x -q -rf -p no:cacheprovider -m 'not (robots or ffmpeg)' {words}"
+    fine, said = test(folder, "sh", "-c", pytest, seconds=600)
     found = re.search(r"^FAILED (\S+)", said, re.MULTILINE)
     return None if fine else found.group(1) if found else words
 
