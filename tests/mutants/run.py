@@ -118,8 +118,9 @@ def succeeds(folder, *command, seconds=1200):
     """(whether the command did well within the limits, what it printed)"""
     env = {**os.environ, "LAB_BUILD": str(folder / "build" / "dev"), "LAB_TEST_DEADLINE": "30", "GTEST_FAIL_FAST": "1",
            "BATS_TEST_TIMEOUT": "20", "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run(["timeout", "-k", "10", str(seconds), *command], env=env, cwd=folder / "tests" / "system", text=True, errors="replace",
-                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=limit)
+    done = subprocess.run(["timeout", "-k", "10", str(seconds), *command], env=env, cwd=folder / "tests" / "system", text=True,
+                          errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          preexec_fn=limit)
     return done.returncode == 0, done.stdout
 
 
