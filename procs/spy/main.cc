@@ -13,6 +13,7 @@
 #include "core/util/interrupt.h"
 #include "core/util/json_text.h"
 #include "lab/run/shell.h"
+#include "procs/spy/periods.h"
 #include "procs/spy/types.h"
 #include "wire/bus/bus.h"
 #include "wire/process/participant.h"
@@ -86,16 +87,7 @@ int list(const Options& options) {
     fmt::print("{:<24} {:<22} {:>8} {:>9} {:>10} {:>10} {:>10} {:>7} {:>5}\n", "channel", "type", "count",
                "hz", "bytes/s", "min ms", "max ms", "senders", "lost");
   for (const auto& [name, seen] : channels) {
-    Micros least = 0, most = 0;
-    for (size_t i = 1; i < seen.times.size(); ++i) {
-      const Micros gap = seen.times[i] - seen.times[i - 1];
-      least = i == 1 ? gap : std::min(least, gap);
-      most = std::max(most, gap);
-    }
-    const auto n = static_cast<double>(seen.times.size());
-    const double hz = seen.times.size() > 1
-                          ? (n - 1) / (static_cast<double>(seen.times.back() - seen.times.front()) * 1e-6)
-                          : n / span;
+    const auto [least, most, hz] = periods(seen.times, span);
     const double rate = static_cast<double>(seen.bytes) / span;
     if (options.as_json)
       all.push_back({{"channel", name},

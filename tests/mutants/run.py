@@ -61,7 +61,7 @@ TESTS = [
     ("procs/renderer/[lmv]*", "", "test_pictures.py"),  # logged, main, video
     ("procs/renderer/*", "renderer_pictures_test", "test_pictures.py"),
     ("procs/send/*", "send_test", LABS),
-    ("procs/spy/*", "", "test_spy.py"),
+    ("procs/spy/*", "spy_test", "test_spy.py test_groups.py::test_a_day_in_the_lab"),
     ("procs/solo/*", "direct_test", RUN),
     ("scripts/*", "scripts_supervise", LABS)]
 PROGRAMS = ["lab-" + name for name in "simulator planner controller logger solo send spy experiment".split()] + ["test-controller"]

@@ -100,6 +100,8 @@ def test_single_times_and_overviews(run, tmp_path):
     width, height, _ = read_png(tmp_path / "b" / "contact.png")
     assert width >= 3 * 160 and height >= 2 * 120  # six, three in a row
     assert width < 4 * 160 and height < 3 * 120
+    assert render(run, "--times", "1", "--camera", "side", "-o", tmp_path / "c").returncode == 0
+    assert read_png(tmp_path / "c" / "0000.png")[2]["camera"].startswith("side; ")
 
 
 def test_depths_and_ids(run, tmp_path):
