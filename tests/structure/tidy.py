@@ -5,7 +5,7 @@ usage: tidy.py [--build DIR] [--full] [--seconds S] [-j N] [FILE..]
 
 Checks the sources (not the tests) that compile_commands.json of the build lists. A file is clean until its text, a header
 of the project that it includes, .clang-tidy, its compile command or clang-tidy itself changes; what is clean is
-remembered in ~/.cache/lcmlab/tidy, for every checkout. Stops after S seconds (180) and says how many files are left for
+remembered in ~/.cache/lcmlab/tidy, for every checkout. Stops after S seconds (120) and says how many files are left for
 the next run; --full goes on to the end. FILE.. checks these alone. Exit 0 without findings, 1 with, 2 when it cannot run.
 
 Most of clang-tidy's time goes into headers. So files with much in common are checked as one text; what does not compile
@@ -254,7 +254,7 @@ def main():
     root = os.path.dirname(os.path.dirname(here))
     parser.add_argument("--build", default=os.environ.get("LAB_BUILD", os.path.join(root, "build", "release")))
     parser.add_argument("--full", action="store_true", help="no limit of time")
-    parser.add_argument("--seconds", type=float, default=180, help="stop after so long (default 180)")
+    parser.add_argument("--seconds", type=float, default=120, help="stop after so long (default 120)")
     parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count(), help="so many at once")
     parser.add_argument("files", nargs="*")
     options = parser.parse_args()
