@@ -104,22 +104,18 @@ def estops(bus, count):
     return quantiles(found)
 
 
-def memory(pid):
-    return int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * 4096
-
-
 def many_requests(bus, count, seconds):
     """Live gains, evenly in time: what they cost the simulator."""
     lab.until(lambda: bus.process, "PROCESS of the simulator")
     before, begin, replies = bus.process, time.monotonic(), bus.replies
-    size = memory(before.pid)
+    size = lab.memory(before.pid)
     for i in range(count):
         bus.request("set", target="controller", key="kp", values=[80 + i % 40])
         time.sleep(max(0, begin + (i + 1) * seconds / count - time.monotonic()))
     time.sleep(0.3)
     after = bus.process
     return {"requests": count, "replies": bus.replies - replies, "overruns": after.overruns - before.overruns,
-            "lateness_p99_us": after.lateness_p99, "memory_growth_bytes": memory(before.pid) - size}
+            "lateness_p99_us": after.lateness_p99, "memory_growth_bytes": lab.memory(before.pid) - size}
 
 
 def measure(options, runs):

@@ -172,6 +172,16 @@ def state(folder):
     return found
 
 
+def bus_of(folder):
+    """The URL of a lab's bus."""
+    return (pathlib.Path(folder) / "processes" / "state").read_text().split("\nurl ")[1].split()[0]
+
+
+def memory(pid):
+    """Bytes of a process in RAM."""
+    return int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
 def leftovers(folder):
     """Processes whose command line or working folder names the folder."""
     found = []
@@ -215,10 +225,6 @@ class Bus:
             return None
         channel, _, data = packet[8:].partition(b"\0")
         return channel.decode(errors="replace"), data
-
-    def close(self):
-        self.out.close()
-        self.reader.close()
 
 
 def request(types, sender, number, verb, run=0, **action):

@@ -99,7 +99,7 @@ def test_two_labs_on_one_host_each_hear_their_own(runs, tmp_path, prefix):
     try:
         ok(call(runs, "up", "-d", *PATIENT))
         ok(call(other, "up", "-d", *PATIENT, *(["--prefix", prefix] if prefix else [])))
-        first, second = ((folder / "live" / "processes" / "state").read_text().split("\nurl ")[1].split()[0] for folder in (runs, other))
+        first, second = (lab.bus_of(folder / "live") for folder in (runs, other))
         assert (first == second) == bool(prefix), "a port of its own, or the same with a prefix"
         for folder in (runs, other):
             ok(call(folder, "wait", "--ready"))
@@ -122,7 +122,7 @@ def test_two_labs_on_one_host_each_hear_their_own(runs, tmp_path, prefix):
 
 def test_a_bus_that_is_named_is_taken_or_refused(runs, tmp_path):
     ok(call(runs, "up", "-d", *PATIENT))
-    url = (runs / "live" / "processes" / "state").read_text().split("\nurl ")[1].split()[0]
+    url = lab.bus_of(runs / "live")
     other = tmp_path / "other"
     done = subprocess.run([lab.LAB, "up", "-d"], env=lab.environment(LAB_RUNS=str(other), LCM_DEFAULT_URL=url), capture_output=True,
                           text=True, timeout=lab.DEADLINE, stdin=subprocess.DEVNULL)

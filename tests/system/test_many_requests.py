@@ -3,7 +3,6 @@ each of three labs, and as many at 167 a second for a lab whose controller is ki
 import collections
 import json
 import os
-import pathlib
 import random
 import shutil
 import signal
@@ -55,8 +54,7 @@ class Checkout:
     def start(self, types):
         ok(self.call("up", "-d", "--set", "logger.every=10", "--set", "safety.timeout=0.5"))
         ok(self.call("wait", "--ready"))
-        url = (self.runs / "live" / "processes" / "state").read_text().split("\nurl ")[1].split()[0]
-        self.bus = lab.Bus(int(url.split(":")[2].split("?")[0]))
+        self.bus = lab.Bus(int(lab.bus_of(self.runs / "live").split(":")[2].split("?")[0]))
         self.run = None
         while self.run is None:
             message = self.bus.receive()
@@ -120,15 +118,11 @@ def test_three_labs_of_two_users_each_log_what_they_accepted(tmp_path, types):
     found = collections.defaultdict(list)
     for one in labs:
         for channel, data in lab.events(one.runs / "live" / "log.lcm"):
-            if channel == one.prefix + "INPUT" or channel == "INPUT":
+            if channel == "INPUT":
                 message = types.input_t.decode(data)
                 assert message.sender == "monitor"
                 found[message.id].append(one)
     assert found == {number: [one] for number, one in accepted.items()}
-
-
-def memory(pid):
-    return int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * 4096
 
 
 def test_a_restarted_controller_has_every_gain_before_its_first_command(runs, tmp_path, types):
@@ -141,7 +135,7 @@ def test_a_restarted_controller_has_every_gain_before_its_first_command(runs, tm
     folder = runs / "following"
     bus = lab.Bus()
     simulator = state(folder)["simulator"][1]
-    before, kills, begin = memory(simulator), 0, time.monotonic()
+    before, kills, begin = lab.memory(simulator), 0, time.monotonic()
     rng = random.Random(4)
     count = max(COUNT, 500)
     for number in range(1, count + 1):
@@ -153,7 +147,7 @@ def test_a_restarted_controller_has_every_gain_before_its_first_command(runs, tm
             kills += 1
         time.sleep(max(0.0, begin + number / RATE - time.monotonic()))
     lab.until(lambda: state(folder)["controller"][0] == "running" and state(folder)["controller"][2] == kills, "the controller again")
-    grown = memory(simulator) - before
+    grown = lab.memory(simulator) - before
     [there] = json.loads(ok(lab.call(runs, "ps", "--json")))
     ok(lab.call(runs, "down"))
 
