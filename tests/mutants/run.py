@@ -48,7 +48,7 @@ TESTS = [
     ("wire/schema/*", "wire_schema_test wire_guard_test guard_fuzz_smoke schema_fuzz_smoke wire_schema_lcmgen_test", RUN),
     ("wire/log/*", "wire_log_test log_fuzz_smoke log_files_test", RUN),
     ("wire/bus/*", "wire_udpm_wire_test wire_bus_net_test wire_routes_net_test", "test_spy.py test_groups.py"),
-    ("wire/process/*", "wire_launch_record_test wire_participant_test", LABS),
+    ("wire/process/*", "wire_launch_record_test wire_participant_test wire_participant_net_test", LABS),
     ("wire/protocol/*", PROTOCOL, f"{LABS} test_lockstep.py"),
     ("procs/simulator/replay.*", "simulator_test truth_test", LABS),
     ("procs/simulator/role.*", "direct_test", LABS),
@@ -60,11 +60,12 @@ TESTS = [
     ("procs/renderer/[efw]*", "renderer_work_test", "test_pictures.py"),  # encoder, frames, from_log, workers
     ("procs/renderer/[lmv]*", "", "test_pictures.py"),  # logged, main, video
     ("procs/renderer/*", "renderer_pictures_test", "test_pictures.py"),
+    ("procs/send/guest.*", "guest_net_test", LABS),
     ("procs/send/*", "send_test", LABS),
     ("procs/spy/*", "spy_test", "test_spy.py test_groups.py::test_a_day_in_the_lab"),
     ("procs/solo/*", "direct_test", RUN),
     ("scripts/*", "scripts_supervise", LABS)]
-PROGRAMS = ["lab-" + name for name in "simulator planner controller logger solo send spy experiment".split()] + ["test-controller"]
+PROGRAMS = "lab-simulator lab-planner lab-controller lab-logger lab-solo lab-send lab-spy lab-experiment test-controller".split()
 Place = collections.namedtuple("Place", "file number index before after nth")
 
 
@@ -164,8 +165,8 @@ class Judge:
             yield PROGRAMS + ["lab-renderer"] * ("renderer" in file), lambda: system_tests(self.folder, words)
 
     def outcome(self, place, seen):
-        """killed, survived (or `unseen` by the unit tests alone), doubtful (the test fails without the mutant, too) or broken (does
-        not compile), and the test. `seen`: the unit tests have had their turn."""
+        """killed, survived (or `unseen` by the unit tests alone), doubtful (the test fails without the mutant, too) or broken
+        (does not compile), and the test. `seen`: the unit tests have had their turn."""
         path = self.folder / place.file
         text = path.read_text()
         lines = text.splitlines(keepends=True)

@@ -30,8 +30,6 @@ def test_a_day_in_the_lab(runs):
     ok(call(runs, "set", "controller", "kp=80"))
     ok(call(runs, "push", "effector_body", "5", "0", "0"))
     assert json.loads(ok(call(runs, "spy", "echo", "ROBOT_STATE", "--once", "--json")))["message"]["nq"] == 6
-    who = {p["name"]: p["state"] for p in json.loads(ok(call(runs, "spy", "who", "--for", "1", "--json")))}
-    assert who == dict.fromkeys(["simulator", "planner", "controller", "logger"], "RUNNING")
     before = state(runs / "live")["controller"][1]
     ok(call(runs, "restart", "controller"))
     status, pid, restarts = state(runs / "live")["controller"]

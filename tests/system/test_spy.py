@@ -26,12 +26,12 @@ struct pose_t {
 struct stranger_t { int32_t whatever; }
 """
 # sends everything a hundred times a second, on an absolute grid: POSE, a pose_t; STRANGE, a stranger_t; TYPE, when asked to,
-# with the text of both; and on BAD.. what a decoder may choke on
+# with the text of both; on PROCESS, one of the lab's and one that is none; and on BAD.. what a decoder may choke on
 PUBLISHER = """
 import struct, sys, time
 sys.path[:0] = sys.argv[1:3]
 import geo, lcm
-from lab import type_t
+from lab import process_t, type_t
 bus, teach = lcm.LCM(%r), len(sys.argv) > 3
 strange, hint = geo.stranger_t(), type_t()
 hint.name, hint.source = "geo.pose_t", open(sys.argv[3]).read() if teach else ""
@@ -39,6 +39,8 @@ pose = geo.pose_t()
 pose.name, pose.n, pose.ranges, pose.good = "münster", 2, [0.5, float("nan")], True
 pose.corners = [geo.point_t(), geo.point_t()]
 pose.corners[1].x = 7.25
+life = process_t()
+life.name, life.state, life.pid = "planner", "RUNNING", 7
 began, k = time.monotonic(), 0
 while True:
     k += 1
@@ -48,6 +50,9 @@ while True:
     if teach: bus.publish("TYPE", hint.encode())
     bus.publish("POSE", data)
     bus.publish("STRANGE", strange.encode())
+    life.step, life.utime = 3 * k, 10_000 * k
+    bus.publish("PROCESS", life.encode())
+    bus.publish("PROCESS", b"nobody")
     bus.publish("BAD_SHORT", data[:3])
     bus.publish("BAD_EMPTY", b"")
     bus.publish("BAD_CUT", data[:-1])
@@ -137,6 +142,13 @@ def test_echo_of_fields(bus):
     assert list(one) == ["seq"]
     for wrong in ("speed", "position[3]", "ranges[2]", "corners[0].z"):
         assert f"has no '{wrong}'" in spy("echo", "POSE", "--field", wrong, "--once", *bus, code=2)
+
+
+def test_who_knows_processes_and_how_fast_they_go(bus):
+    [one] = json.loads(spy("who", "--for", "0.5", "--json"))
+    assert (one["name"], one["pid"], one["state"]) == ("planner", 7, "RUNNING")
+    assert abs(one["rate"] - 300) < 1e-6  # steps per second of its own clock
+    assert [line.split()[0] for line in spy("who", "--for", "0.5").splitlines()] == ["name", "planner"]
 
 
 def test_once_is_one(bus):

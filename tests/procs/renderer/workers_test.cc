@@ -89,6 +89,21 @@ TEST_F(WorkersTest, EveryPictureOnceInOrderByAsManyProcesses) {
   }
 }
 
+// The first worker is slow: what the second has drawn meanwhile is told after picture 0, not in place of it.
+TEST_F(WorkersTest, APictureIsToldOnceItIsThere) {
+  const fs::path told = folder_ / "told";
+  const auto wait = [&](int64_t index) {
+    for (int n = 0; index == 0 && n < 200; ++n) {
+      usleep(1000);
+      if (fs::exists(told)) throw std::runtime_error("it was told of before picture 0 was drawn");
+    }
+  };
+  draw_all(
+      4, 2, [&] { return std::make_unique<FileWorker>(folder_, wait); },
+      [&](int64_t index) { std::ofstream(told) << index; });
+  EXPECT_TRUE(fs::exists(told));
+}
+
 TEST_F(WorkersTest, TheFirstErrorIsTold) {
   EXPECT_EQ(error_of(8, 2,
                      [](int64_t i) {

@@ -5,12 +5,12 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <functional>
 #include <lab/command_t.hpp>
 #include <lab/process_t.hpp>
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 
+#include "tests/wire/process/script.h"
 #include "tests/wire/protocol/message.h"
 #include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
@@ -18,43 +18,7 @@
 namespace lab {
 namespace {
 
-constexpr int64_t kRun = 77, kNonce = 42, kStep = 10;
-
-/// A role of a running lab that sends what it is told, until `done` says so or ten seconds are over.
-class Script : public Role {
- public:
-  void receive(Channel channel, std::span<const uint8_t> bytes, Micros) override {
-    heard.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
-  }
-  void tick(Micros now) override {
-    if (begun_ == 0) {
-      begun_ = now;
-      send();
-    }
-    if (done() || now - begun_ > 10'000'000) outcome_.ended = true;
-  }
-  Micros wake() const override { return INT64_MAX; }
-  void stop(Micros) override { outcome_.ended = true; }
-  void stranger(Channel channel, const std::string& reason, Micros) override {
-    strangers.push_back(std::string(row(channel).name) + ": " + reason);
-  }
-  const Outcome& outcome() const override { return outcome_; }
-  std::string state() const override { return "RUNNING"; }
-  int64_t step() const override { return kStep; }
-  int64_t run() const override { return kRun; }
-  int64_t model_hash() const override { return 5; }
-  int nq() const override { return 1; }
-  int nv() const override { return 1; }
-
-  std::function<void()> send = [] {};
-  std::function<bool()> done = [] { return true; };
-  std::vector<std::pair<Channel, Bytes>> heard;
-  std::vector<std::string> strangers;
-
- private:
-  Outcome outcome_;
-  Micros begun_ = 0;
-};
+constexpr int64_t kNonce = 42;
 
 class ParticipantTest : public testing::Test {
  protected:
