@@ -53,6 +53,17 @@ TEST(RunScene, GhostsStandEvenlyAlongTheWay) {
   EXPECT_NEAR(yaw[0], 0.7, 1e-12);
 }
 
+TEST(RunScene, GhostsHaveTheirTraceWithABeadForEach) {
+  const Experiment e = sample_experiment("{trace: effector_body}");
+  const Robot robot = load_robot(e);
+  RunScene run(robot, e);
+  remember_all(run, robot.model);
+  std::map<std::string, int> bodies;
+  for (const Body& body : run.ghosts(6).scene.bodies) ++bodies[body.name];
+  EXPECT_EQ(bodies["trace"], 1);
+  EXPECT_EQ(bodies["bead"], 6);
+}
+
 TEST(RunScene, GhostsAreTintedFromBlueToRed) {
   const Experiment e = sample_experiment();
   const Robot robot = load_robot(e);

@@ -101,6 +101,13 @@ TEST(Publishers, TheSupervisorsRecordDecidesWhereThereIsOne) {
   EXPECT_EQ(planner.process("guest", kNonce, 400, 10'000'000), "");
   EXPECT_NE(planner.process("guest", kNonce, 401, 10'000'001), "")
       << "silence counts where there is no record";
+  const int before = asked;
+  const Micros later = 20'000'000;
+  for (Micros t = 0; t < Publishers::kAskAgain; t += 1000)
+    EXPECT_NE(planner.process(kController, kNonce, kThief, later + t), "");
+  EXPECT_EQ(asked, before + 1) << "a flood, at any time";
+  EXPECT_NE(planner.process(kController, kNonce, kThief, later + Publishers::kAskAgain), "");
+  EXPECT_EQ(asked, before + 2) << "the supervisor may have started it meanwhile";
 }
 
 TEST(Publishers, ARestartThatTheRecordShowsNeedsNoSilence) {
