@@ -74,6 +74,8 @@ def mutated(line, pattern, replacement):
     if "if (" not in replacement:
         return re.sub(pattern, replacement, line, count=1)
     head, _, rest = line.partition("if (")  # close the parenthesis that was opened: the condition must stay one
+    if rest.startswith(("const ", "auto ")):  # .. and a declaration is none
+        return None
     depth, end = 1, 0
     while end < len(rest) and depth:
         depth += {"(": 1, ")": -1}.get(rest[end], 0)

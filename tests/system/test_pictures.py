@@ -111,6 +111,8 @@ def test_depths_and_ids(run, tmp_path):
     assert len(files(tmp_path)["0000.depth.f32"]) == 4 * 160 * 120
     assert read_png(tmp_path / "0000.depth.png")[2]["unit"].startswith("0.001 m")
     assert re.match(r"0 nothing, 1 \w+, 2 \w+", read_png(tmp_path / "0000.id.png")[2]["links"])
+    assert render(run, "--times", "1", "--ids", "-o", tmp_path / "ids").returncode == 0
+    assert sorted(files(tmp_path / "ids")) == ["0000.id.png", "0000.png"]
 
 
 def test_a_video_without_ffmpeg_is_one_clear_line(run, tmp_path):

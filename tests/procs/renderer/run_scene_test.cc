@@ -136,6 +136,20 @@ TEST(RunScene, PicturesDoNotDependOnWhatComesLater) {  // live pictures are thos
   EXPECT_EQ(one.colours, other.colours);
 }
 
+/// The largest error seen so far has the end of the scale: colours go all the way to it.
+TEST(RunScene, ATraceByErrorHasAColourForEachError) {
+  const Experiment e = sample_experiment("{trace: effector_body}");
+  const Robot robot = load_robot(e);
+  RunScene run(robot, e, {"error", {}, {}});
+  for (int64_t step = 0; step <= 100; ++step)
+    run.remember(sample_moment(robot.model, step, 0.001 * static_cast<double>(step)));
+  const render::Scene scene = run.shot(sample_moment(robot.model, 100, 0.1)).scene;
+  std::set<std::vector<float>> colours;
+  for (const auto& colour : scene.bodies[0].parts[0].mesh->colours)
+    colours.insert({colour[0], colour[1], colour[2]});
+  EXPECT_GT(colours.size(), 50u);
+}
+
 /// A film: each picture extends the trace of the one before. A picture's own share is the piece at the end.
 TEST(RunScene, ATraceCostsThePictureTheSameHoweverLongItIs) {
   const Experiment e = sample_experiment("{trace: effector_body}");

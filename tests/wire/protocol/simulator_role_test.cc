@@ -120,5 +120,18 @@ TYPED_TEST(EitherSimulator, ReadyAgainAndAgainIsNoProgress) {
   EXPECT_EQ(this->simulator_->state(), "FAULT");
 }
 
+// A plain LCM program does not know NEED: it hears the state once more.
+using LockstepSimulator = EitherSimulator<LockstepSimulatorRole>;
+TEST_F(LockstepSimulator, RepeatsTheStateWithEveryThirdQuestion) {
+  start();
+  std::vector<int64_t> states;
+  for (int n = 1; n <= 7; ++n) {
+    simulator_->tick(n * kLongestWait);
+    EXPECT_EQ(count(Channel::Need), 2 * n) << "to planner and controller";
+    states.push_back(count(Channel::RobotState));
+  }
+  EXPECT_EQ(states, (std::vector<int64_t>{1, 1, 2, 2, 2, 3, 3}));
+}
+
 }  // namespace
 }  // namespace lab
