@@ -47,7 +47,7 @@ LABS = "test_requests.py test_groups.py test_faults.py"
 TESTS = [
     ("wire/schema/*", "wire_schema_test wire_guard_test guard_fuzz_smoke schema_fuzz_smoke wire_schema_lcmgen_test", RUN),
     ("wire/log/*", "wire_log_test log_fuzz_smoke log_files_test", RUN),
-    ("wire/bus/*", "wire_udpm_wire_test wire_bus_net_test wire_routes_net_test", "test_spy.py test_groups.py"),
+    ("wire/bus/*", "wire_udpm_wire_test wire_bus_net_test wire_spin_net_test wire_routes_net_test", "test_spy.py test_groups.py"),
     ("wire/process/*", "wire_launch_record_test wire_participant_test wire_participant_net_test", LABS),
     ("wire/protocol/*", PROTOCOL, f"{LABS} test_lockstep.py"),
     ("procs/simulator/replay.*", "simulator_test truth_test", LABS),

@@ -114,7 +114,6 @@ uint64_t LogReader::find_magic(uint64_t from) {
     const uint8_t* at = std::search(begin, end, kMagicBytes, kMagicBytes + sizeof kMagicBytes);
     if (at != end) return start_ + static_cast<uint64_t>(at - buffer_.data());
     from = start_ + filled_ - (sizeof kMagicBytes - 1);
-    if (!bytes(from, sizeof kMagicBytes)) return UINT64_MAX;
   }
 }
 
