@@ -106,8 +106,12 @@ def candidates(folder, only):
 def drawn(folder, seed, only):
     """The places in the order of the seed, without those that are known to be equivalent."""
     known = (ROOT / "tests" / "mutants" / "equivalent.txt").read_text().splitlines()
-    places = [p for p in candidates(folder, only)
-              if not any(line.startswith(f"{p.file}: {p.before} => {p.after.strip()}: ") for line in known)]
+
+    def explained(p):
+        which = f" ({p.nth}.)" if p.nth > 1 else ""  # of several lines that are the same
+        return any(line.startswith(f"{p.file}: {p.before}{which} => {p.after.strip()}: ") for line in known)
+
+    places = [p for p in candidates(folder, only) if not explained(p)]
     return sorted(places, key=lambda p: hashlib.sha256(f"{seed} {p.file} {p.before} {p.nth} {p.index}".encode()).digest())
 
 
