@@ -10,6 +10,7 @@
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
+#include <lab/type_t.hpp>
 
 #include "tests/wire/protocol/message.h"
 #include "wire/protocol/controller_role.h"
@@ -193,6 +194,8 @@ TEST(RealtimeLogger, WritesWhatArrivesAndEachInputOnce) {
   role.receive(Channel::Reference, reference(5), 0);
   role.receive(Channel::Input, input(1, 2), 0);
   role.receive(Channel::Input, input(1, 2), 0);
+  role.receive(Channel::Type, encode(message_of<type_t>(kRun, 1)), 0);  // it was written with RUN
+  role.receive(Channel::Need, encode(message_of<need_t>(kRun, 1)), 0);  // what is no part of a log
   role.receive(Channel::RobotState, state(0), 0);
   EXPECT_EQ(role.step(), 1);
   EXPECT_FALSE(memory.closed);
