@@ -83,6 +83,7 @@ def bus(request, folder):
     """A publisher is there; gives the options with which a spy knows its types."""
     teach = [str(folder / "types" / "deep" / "geo.lcm")] if request.param == "TYPE messages" else []
     publisher = subprocess.Popen([str(PYTHON), str(folder / "publish.py"), str(folder / "python"), str(folder / "lab"), *teach])
+    spy("echo", "POSE", "--once", "--timeout", "30")  # it has begun
     yield [] if teach else ["--types", str(folder / "types")]
     publisher.kill()
     publisher.wait()
