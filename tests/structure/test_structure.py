@@ -166,6 +166,15 @@ class Tidy(unittest.TestCase):
         code, out = self.check()
         self.assertEqual((code, out[-1].split(",")[0]), (0, "tidy: 3 files were clean already"))
 
+    def test_the_others_of_a_text_that_does_not_compile_are_checked_again(self):
+        # the analyzer does not run over a text with an error: what was left of it would have passed for clean
+        self.write(".clang-tidy", "Checks: '-*,clang-analyzer-core.*'\n")
+        self.write("wire/a/good.cc", "namespace { int own = 0; }\n"
+                                     "int good(int* at) { if (!at) own = 1; return own + *at; }\n")
+        self.write("wire/a/moved.cc", "namespace { int own = 0; }\nint moved() { return own; }\n")
+        code, out = self.check()
+        self.assertEqual((code, len(out), out[0].split(": ")[0]), (1, 2, "wire/a/good.cc:2:52"))
+
     def test_a_changed_header_or_rule_counts(self):
         self.assertEqual(self.check()[0], 0)
         self.write("wire/a/a.h", "#pragma once\n#include <string>\nstruct A { std::string x; };\n"

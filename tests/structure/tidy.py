@@ -9,7 +9,8 @@ remembered in ~/.cache/lcmlab/tidy, for every checkout. Stops after S seconds (1
 the next run; --full goes on to the end. FILE.. checks these alone. Exit 0 without findings, 1 with, 2 when it cannot run.
 
 Most of clang-tidy's time goes into headers. So files with much in common are checked as one text; what does not compile
-as such a text (two files with the same name in an anonymous namespace), or has a finding in it, is checked alone.
+as such a text (two files with the same name in an anonymous namespace), or has a finding in it, is checked alone, and the
+others once more without it: in a text that does not compile clang-tidy skips the checks that follow the flow of a program.
 """
 import argparse
 import collections
@@ -27,6 +28,7 @@ import time
 
 import rooms
 
+WAY = "2"  # of checking: what another way called clean is checked again
 BATCH_LINES = {True: 2500, False: 800}  # with and without --full: what is not ready when the time is over was in vain
 MESSAGE = re.compile(r"^(\S+?):(\d+):(\d+): (warning|error|note): (.*)$")
 
@@ -44,7 +46,7 @@ class Sources:
                     if file.split("/")[0] in rooms.FOLDERS:
                         self.flags[file] = flags_of(entry)
         with open(os.path.join(root, ".clang-tidy"), encoding="utf-8") as f:
-            self.rules = tool_version(tool) + f.read()
+            self.rules = WAY + tool_version(tool) + f.read()
         self.texts, self.closures = {}, {}
 
     def text(self, file):
@@ -127,7 +129,7 @@ class Checker:
         self.sources, self.tool, self.scratch, self.deadline = sources, tool, scratch, deadline
 
     def run(self, batch):
-        """(findings, files to check alone) of files taken together; None when the time was over."""
+        """(findings, batches to check again) of files taken together; None when the time was over."""
         left = self.deadline and self.deadline - time.monotonic()
         if left is not None and left < 1:
             return None
@@ -176,9 +178,13 @@ class Checker:
                 broken.add(file if path == name else None)
             elif kind in ("error", "warning"):
                 findings.append(f"{file}:{row}:{column}: {words}")
-        if None in broken:
-            return [], list(batch)
-        return [f for f in findings if f.split(":")[0] not in broken], sorted(broken)
+        if broken:
+            alone = [file for file in batch if None in broken or file in broken]
+            rest = [file for file in batch if file not in alone]
+            return [], [[file] for file in alone] + ([rest] if rest else [])
+        # a finding may come from the others of the batch: it counts when the file alone has it
+        doubtful = {f.split(":")[0] for f in findings} & set(batch) if len(batch) > 1 else set()
+        return [f for f in findings if f.split(":")[0] not in doubtful], [[file] for file in sorted(doubtful)]
 
 
 def changed_files(root):
@@ -218,7 +224,7 @@ def check(options, root, tool):
     queue = [*batches(sources, [file for file in todo if file in changed], most),
              *batches(sources, [file for file in todo if file not in changed], most)]
     while queue:
-        alone = []
+        again = []
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
             running = {pool.submit(checker.run, batch): batch for batch in queue}
             for future in concurrent.futures.as_completed(running):
@@ -226,23 +232,20 @@ def check(options, root, tool):
                 if result is None:
                     left += batch
                     continue
-                found, broken = result
-                if len(batch) > 1:  # a finding may come from the others of the batch: it counts when the file alone has it
-                    broken = sorted(set(broken) | {f.split(":")[0] for f in found} & set(batch))
-                    found = [f for f in found if f.split(":")[0] not in broken]
-                alone += broken
+                found, batches_again = result
+                again += batches_again
                 for finding in found:
                     if finding not in findings:
                         print(finding, flush=True)
                 findings |= set(found)
                 dirty = {f.split(":")[0] for f in found}
-                for file in set(batch) - set(broken):
+                for file in set(batch).difference(*batches_again):
                     done += 1
                     # a finding in a header is a finding in every file that includes it
                     if not dirty & set(sources.headers(file)):
                         for name in (keys[file], own[file]):
                             open(os.path.join(memory, name), "w", encoding="utf-8").close()
-        queue = [[file] for file in alone]
+        queue = again
     print(f"tidy: {clean} files were clean already, {done} checked in {time.monotonic() - start:.0f} s, "
           f"{len(findings)} findings" + (f"; {len(left)} files are left for the next run, or for --full" if left else ""))
     return 1 if findings else 0
