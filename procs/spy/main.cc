@@ -125,7 +125,7 @@ void show(const Options& options, const Types& types, const Datagram& datagram) 
   const std::string fault = type
                                 ? types.schema().check(*type, datagram.data, {.finite = false, .text = false})
                                 : "unknown type " + type_name(types, datagram);
-  if (!fault.empty()) {
+  if (!type || !fault.empty()) {
     if (options.as_json)
       fmt::print("{}\n", json_text(ordered_json{{"channel", datagram.channel},
                                                 {"size", datagram.data.size()},

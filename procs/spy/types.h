@@ -1,6 +1,5 @@
 // The message types that a spy can decode.
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +16,10 @@ class Types {
   void learn(const std::string& source);
   /// The type of a message: by its channel if the lab has that, else by its fingerprint; null if it is not known.
   const Type* of(std::string_view channel, std::span<const uint8_t> bytes) const;
-  const Schema& schema() const { return *schema_; }
+  const Schema& schema() const { return schema_; }
 
  private:
-  std::vector<Source> sources_;
-  std::optional<Schema> schema_;
+  Schema schema_;
 };
 
 /// First eight bytes as a number; 0 if there are fewer.
