@@ -52,8 +52,8 @@ std::string Publishers::process(const std::string& name, int64_t nonce, uint64_t
   if (is_pinned(name, address, now)) return {};
   if (name == own_) return fmt::format("{} is another process named {}", address_text(address), name);
   const auto known = pins_.find(name);
-  const bool guest =
-      nonce == 0 && known == pins_.end() && std::find(guests_.begin(), guests_.end(), name) != guests_.end();
+  const bool guest = nonce == 0 && (known == pins_.end() || known->second.guest) &&
+                     std::find(guests_.begin(), guests_.end(), name) != guests_.end();
   if (nonce != nonce_ && !guest)
     return fmt::format("{} is the {} of another lab", address_text(address), name);
   const Claim owner = claim(name, address, now);
@@ -63,7 +63,7 @@ std::string Publishers::process(const std::string& name, int64_t nonce, uint64_t
           ? pins_.size() >= kMaxNames
           : owner != Claim::Ours && (name == kSimulator || now - known->second.heard < kSilence))
     return fmt::format("{} is a second {}", address_text(address), name);
-  pins_[name] = {address, now};
+  pins_[name] = {address, now, guest};
   return {};
 }
 

@@ -35,7 +35,8 @@ class Publishers {
   static constexpr Micros kAskAgain = 50'000;
   static constexpr size_t kMaxAsked = 64;
 
-  /// `own` as in PROCESS; `nonce` of this launch. A name in `guests` may also be taken by the first PROCESS without a nonce.
+  /// `own` as in PROCESS; `nonce` of this launch. A name in `guests` may also be taken by the first PROCESS without a nonce,
+  /// and from such a guest, once it has been silent for kSilence, by the next one.
   Publishers(std::string own, int64_t nonce, std::vector<std::string> guests, Check check = {});
 
   /// This process hears itself where it listens to all channels: from this address.
@@ -56,6 +57,7 @@ class Publishers {
   struct Pin {
     uint64_t address = 0;
     Micros heard = 0;
+    bool guest = false;  ///< came without the nonce
   };
   Claim claim(const std::string& name, uint64_t address, Micros now);
   bool is_pinned(std::string_view name, uint64_t address, Micros now);

@@ -125,8 +125,20 @@ TEST(Publishers, AGuestNeedsNoNonceAndTheFirstOneIsPinned) {
   Publishers simulator(kSimulator, kNonce, {kController});
   EXPECT_NE(simulator.process(kPlanner, 0, kPlan, 0), "") << "not invited";
   EXPECT_EQ(simulator.process(kController, 0, kCtrl, 0), "");
-  EXPECT_NE(simulator.process(kController, 0, kThief, 60'000'000), "");
-  EXPECT_EQ(simulator.message(Channel::Command, kController, kCtrl, 1), "");
+  EXPECT_EQ(simulator.message(Channel::Command, kController, kCtrl, 1'000'000), "");
+  EXPECT_NE(simulator.process(kController, 0, kThief, 1'000'000 + Publishers::kSilence - 1), "");
+  EXPECT_EQ(simulator.message(Channel::Command, kController, kCtrl, 1'300'000), "");
+}
+
+TEST(Publishers, AGuestThatDiedIsReplacedByTheNextAndAProcessOfTheLabIsNot) {
+  Publishers simulator(kSimulator, kNonce, {kController});
+  EXPECT_EQ(simulator.process(kController, 0, kCtrl, 0), "");
+  EXPECT_EQ(simulator.process(kController, 0, 301, Publishers::kSilence), "");
+  EXPECT_NE(simulator.message(Channel::Command, kController, kCtrl, Publishers::kSilence), "");
+
+  EXPECT_EQ(simulator.process(kController, kNonce, 302, 2 * Publishers::kSilence), "");
+  EXPECT_NE(simulator.process(kController, 0, kThief, 60'000'000), "")
+      << "it knows the nonce, and so does the next";
 }
 
 TEST(Publishers, WithoutAddressesOnlyTheNonceIsCompared) {
