@@ -45,7 +45,7 @@ void Types::learn(const std::string& source) {
   try {
     schema_ = Schema(std::move(sources));
   } catch (const SchemaError&) {
-    // a name that is taken, or a part that is still missing: what was known stays
+    return;  // a name that is taken, or a part that is still missing: what was known stays
   }
 }
 

@@ -269,7 +269,10 @@ MeshFile from_cache(const std::string& path, const MeshOptions& options) {
 }  // namespace
 
 std::string mesh_cache_folder() {
-  const auto value = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
+  const auto value = [](const char* name) {
+    const char* text = std::getenv(name);
+    return std::string(text ? text : "");
+  };
   const std::string own = value("LAB_MESH_CACHE"), xdg = value("XDG_CACHE_HOME"), home = value("HOME");
   if (!own.empty()) return own == "off" ? "" : own;
   if (!xdg.empty()) return xdg + "/lcmlab/meshes";

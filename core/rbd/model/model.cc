@@ -156,7 +156,7 @@ JointIndex Model::addJoint(JointIndex parent, const JointModel& joint, const SE3
   hash(parent);
   hash(static_cast<int>(joint.kind()));
   const FrameIndex parent_frame =
-      parentFrame >= 0 ? parentFrame : getFrameId(names[parent], FrameType(JOINT | FIXED_JOINT));
+      parentFrame >= 0 ? parentFrame : getFrameId(names[parent], parent == 0 ? FIXED_JOINT : JOINT);
   addFrame(Frame(joint_name, index, parent_frame, SE3::Identity(), JOINT));
   return index;
 }
