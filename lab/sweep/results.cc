@@ -78,6 +78,14 @@ void Results::load() {
   }
 }
 
+bool Results::are_in(const std::string& dir) {
+  std::error_code none;
+  if (fs::is_directory(dir, none) && fs::is_empty(dir, none)) return true;
+  std::ifstream in(dir + "/0000.jsonl", std::ios::binary);
+  std::string line;  // one that was cut off at once is empty
+  return in && (!std::getline(in, line) || line.starts_with("{\"complete\":"));
+}
+
 std::optional<Row> Results::find(const std::string& key) const {
   const std::lock_guard guard(lock_);
   const auto row = rows_.find(key);

@@ -30,6 +30,8 @@ class Results {
   /// Rows have these metrics. The folder need not exist yet.
   Results(std::string dir, std::vector<std::string> metrics);
 
+  /// Whether a folder holds results, or nothing yet.
+  static bool are_in(const std::string& dir);
   /// Reads what is there, or has been added since. A line that is cut off, as by a full disk, is ignored.
   void load();
   std::optional<Row> find(const std::string& key) const;

@@ -36,8 +36,9 @@ int usage(const std::string& fault) {
 std::string take_folder(const std::string& dir) {
   std::error_code error;
   if (fs::exists(dir) && !fs::is_directory(dir)) return dir + " is a file, not a folder";
-  if (fs::exists(dir / fs::path("experiment.yaml"))) return dir + " is a run folder: give a new one";
-  fs::create_directories(dir, error);
+  if (fs::exists(dir, error) && !fs::is_empty(dir, error) && !Results::are_in(dir + "/results"))
+    return dir + " is not empty and not the folder of a sweep: choose a new or empty folder";
+  fs::create_directories(dir + "/results", error);
   const int folder = error ? -1 : open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0 || access(dir.c_str(), W_OK) != 0)
     return dir + " cannot be written (" + (error ? error.message() : std::strerror(errno)) + ")";

@@ -124,6 +124,14 @@ def test_bad_files_and_bad_runs(tmp_path):
     (run / "experiment.yaml").write_text("")
     assert sweep(sweep_file(tmp_path, diverge), run).returncode == 2
 
+    mine = tmp_path / "mine"  # a person's own table, and a folder that is only called results
+    (mine / "results").mkdir(parents=True)
+    (mine / "results" / "0000.jsonl").write_text('{"age": 3}\n')
+    (mine / "sweep.csv").write_text("height\n")
+    done = sweep(sweep_file(tmp_path, diverge), mine)
+    assert done.returncode == 2 and "not empty and not the folder of a sweep" in done.stderr
+    assert (mine / "sweep.csv").read_text() == "height\n" and sorted(p.name for p in mine.iterdir()) == ["results", "sweep.csv"]
+
 
 def test_slurm_that_refuses_is_said(tmp_path, monkeypatch):
     sbatch = tmp_path / "bin" / "sbatch"
