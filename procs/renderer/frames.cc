@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <string_view>
 
@@ -21,6 +22,21 @@ void write_floats(const std::string& path, const std::vector<float>& values) {
   const std::string_view bytes(reinterpret_cast<const char*>(values.data()), sizeof(float) * values.size());
   if (const int error = write_and_rename(path, hidden_part(path), bytes, false).error; error != 0)
     throw std::runtime_error(path + ": cannot write depths: " + std::strerror(error));
+}
+
+/// Every picture of ours says near its beginning which run it shows.
+bool is_ours(const std::filesystem::path& picture) {
+  std::ifstream in(picture, std::ios::binary);
+  std::string begin(1024, '\0');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin.find("tEXtrun") != std::string::npos;
+}
+
+/// NNNN.png, NNNN.depth.png, .., contact.png or ghost.png
+bool is_name_of_ours(const std::string& name) {
+  if (name == "contact.png" || name == "ghost.png") return true;
+  const size_t digits = name.find_first_not_of("0123456789");
+  return digits >= 4 && digits != std::string::npos && name.ends_with(".png");
 }
 
 render::PngTexts with(render::PngTexts first, const render::PngTexts& second) {
@@ -45,6 +61,14 @@ void make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error(folder + ": cannot make this folder: " + error.message());
+}
+
+void check_folder(const std::string& folder) {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    if (is_name_of_ours(entry.path().filename()) && !is_ours(entry.path()))
+      throw std::runtime_error(entry.path().string() +
+                               ": is not a picture of a run, and might be replaced; choose another folder");
 }
 
 std::string frame_path(const std::string& folder, int64_t index) {

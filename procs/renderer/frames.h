@@ -15,6 +15,9 @@ std::vector<int64_t> steps_at_rate(double fps, double dt, int64_t last_step);
 /// Makes a folder if it is not there, and those above it. Throws std::runtime_error with path and reason.
 void make_folder(const std::string& folder);
 
+/// Throws std::runtime_error if the folder has a file that pictures of a run might replace, and that is none.
+void check_folder(const std::string& folder);
+
 /// FOLDER/NNNN.png
 std::string frame_path(const std::string& folder, int64_t index);
 

@@ -249,6 +249,7 @@ void draw_overviews(const std::string& folder, RunScene& run, const Moments& for
 
 int render_log(const FromLog& job) {
   if (!job.video.empty()) need_ffmpeg();  // before the long part
+  if (!job.folder.empty()) check_folder(job.folder);
   const std::string path = find_log(job.source);
   const Logged logged = survey(path);
   std::string meshes;

@@ -188,6 +188,21 @@ def test_a_missing_mesh_is_told_once_and_strict_draws_nothing(tmp_path):
     assert done.stderr.count("package://nowhere/arm.stl") == 1 and "magenta box" in done.stderr
 
 
+def test_a_persons_own_pictures_are_not_replaced(run, tmp_path):
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    for name in ("0000.png", "contact.png"):
+        (mine / name).write_bytes(b"\x89PNG\r\n\x1a\nholiday")
+        done = render(run, "--times", "0,1", "-o", mine)
+        assert done.returncode != 0 and f"{mine / name}: is not a picture of a run" in done.stderr
+        assert files(mine) == {name: b"\x89PNG\r\n\x1a\nholiday"}
+        (mine / name).unlink()
+    (mine / "notes.txt").write_text("mine")
+    for _ in range(2):  # its own pictures are
+        assert render(run, "--times", "0,1", "-o", mine).returncode == 0
+    assert (mine / "notes.txt").read_text() == "mine"
+
+
 def test_an_unwritable_folder(run, tmp_path):
     """Read-only even for root: a mount of its own."""
     out = tmp_path / "out"
