@@ -1,5 +1,6 @@
 #include "lab/check/check.h"
 
+#include <rbd/model/near_names.h>
 #include <rbd/rbd.h>
 
 #include <Eigen/Eigenvalues>
@@ -31,6 +32,16 @@ std::string warn(const Experiment& e, const std::string& key, const std::string&
 }
 
 std::string percent(double share) { return number(std::round(1000 * share) / 10) + " %"; }
+
+/// A name that is nearly one of the usual five would run beside the process that it was meant to replace.
+void check_processes(const Experiment& e) {
+  for (const auto& [name, command] : e.processes)
+    for (const std::string usual : {"simulator", "planner", "controller", "logger", "renderer"})
+      if (const int distance = rbd::editDistance(name, usual);
+          distance > 0 && distance <= 2 && !name.starts_with(usual))
+        fail(e, "processes." + name,
+             "would run beside the usual processes; did you mean '" + usual + "'? (any other name is free)");
+}
 
 /// Disturbances that do not take place as the file says.
 void check_disturbances(const Experiment& e, const simulator::Config& plant,
@@ -170,6 +181,7 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   // a controller process of the user's has its own kinds and gains
   const bool ours = !e.processes.contains("controller");
   const controller::Config control = ours ? controller::make_config(e, model) : controller::Config();
+  check_processes(e);
   check_expect(e, model);
   check_evaluation(e, model);
   if (!e.renderer.trace.empty()) named_frame(e, "renderer.trace", e.renderer.trace, model);
