@@ -90,13 +90,67 @@ distance() {
 }
 
 # --- runs ------------------------------------------------------------------------------------------------------------
-# A run is a folder with an experiment, or with a group of processes.
-is_run() { [ -f "$1/experiment.yaml" ] || [ -f "$1/processes/Procfile" ]; }
+# What a run may write into its folder, as shell patterns. Nothing else in the folder is ever removed or replaced.
+run_files=(experiment.yaml manifest.json .manifest.json.new metrics.json report.html gl.txt contact.png ghost.png
+  {log,telemetry}{,-[0-9]*}{,.earlier}.lcm{,.part} 'frames/[0-9]*.png' 'frames/[0-9]*.f32'
+  processes/{Procfile,state,control,up.out} 'processes/*.log' 'processes/*.log.1')
+
+# A run is a folder with the manifest of one, or one of an earlier version, which wrote its experiment with this first line.
+is_run() {
+  local line=''
+  has_manifest "$1" && return
+  { IFS= read -r line <"$1/experiment.yaml"; } 2>/dev/null
+  [[ $line == '# As run'* ]]
+}
+has_manifest() { [ -f "$1/manifest.json" ] && grep -q '"lcmlab": ' "$1/manifest.json" && grep -q '"files": ' "$1/manifest.json"; }
+
+# has_ended DIR: whether the run was seen to its end
+has_ended() { [ -f "$1/manifest.json" ] && ! grep -q '"state": "running"' "$1/manifest.json"; }
+
+# begin_manifest DIR: makes the folder a run, before anything else is written there. `lab-experiment manifest` completes it.
+begin_manifest() {
+  local files
+  printf -v files '"%s", ' "${run_files[@]}"
+  printf '{\n  "lcmlab": "running",\n  "state": "running",\n  "files": [%s]\n}\n' "${files%, }" >"$1/.manifest.json.new" &&
+    mv -fT "$1/.manifest.json.new" "$1/manifest.json" || cannot_make "$1"
+}
+
+# files_of_run DIR: sets patterns to what this run may have written: as its manifest says, which may be of another version
+files_of_run() {
+  local list='' name
+  patterns=()
+  if has_manifest "$1"; then
+    list=$(tr -d '\n' <"$1/manifest.json")
+    list=${list#*'"files": ['}
+    mapfile -t patterns < <(grep -o '"[^"]*"' <<<"${list%%]*}" | tr -d '"')
+  else
+    patterns=("${run_files[@]}")
+  fi
+  for name in "${patterns[@]}"; do # a manifest is a file that anybody may have written
+    [[ $name != /* && /$name/ != */../* && $name != *[[:cntrl:]]* ]] || die 1 "$1/manifest.json: '$name' is not a file of a run"
+  done
+}
+
+# remove_run_files DIR: removes what a run wrote there, and the folders in it that are empty then. Links are not followed.
+remove_run_files() (
+  files_of_run "$1"
+  cd -- "$1" || exit 1
+  shopt -s nullglob
+  IFS= # patterns expand to names, never to words
+  for pattern in "${patterns[@]}"; do
+    case $pattern in */*) [ ! -L "${pattern%%/*}" ] || continue ;; esac
+    for path in $pattern; do
+      [ -d "$path" ] && [ ! -L "$path" ] || rm -f -- "$path" || exit 1
+    done
+  done
+  rmdir -- frames processes 2>/dev/null
+  exit 0
+)
 
 # find_run RUN: prints the folder of a run, given as a folder or as a name under runs/; fails when there is none.
 find_run() {
   local dir
-  for dir in "$1" "$LAB_RUNS/$1"; do
+  for dir in "$1" "$LAB_RUNS/$1" "$LAB_RUNS/.elsewhere/$1"; do
     if is_run "$dir"; then
       readlink -f "$dir"
       return
@@ -162,9 +216,10 @@ make_run_folder() {
   flock -n "$run_lock" || die 2 "another run is active in $dir"
 }
 
-# Removes an old run from the folder.
+# Removes an old run from the folder, and begins a new one there.
 empty_run_folder() {
-  rm -rf "$dir"/{log*.lcm,telemetry*.lcm,*.lcm.part,frames,contact.png,metrics.json,report.html,manifest.json,processes}
+  remove_run_files "$dir" || exit 1
+  begin_manifest "$dir"
   mkdir -p "$dir/processes" || cannot_make "$dir"
 }
 
@@ -202,14 +257,27 @@ supervisor_lives() {
 }
 
 # --- running labs ----------------------------------------------------------------------------------------------------
-# running_labs: sets running to the folders of all labs under runs/ that run and accept commands.
+# running_labs: sets running to the folders of all labs that run and accept commands: those under runs/, and those that
+# `lab up -o` put elsewhere and remembered in runs/.elsewhere.
 running_labs() {
   local dir
   running=()
-  for dir in "$LAB_RUNS"/*/processes/control; do
+  for dir in "$LAB_RUNS"/*/processes/control "$LAB_RUNS"/.elsewhere/*/processes/control; do
     dir=${dir%/processes/control}
-    if [ -p "$dir/processes/control" ] && [ ! -L "$dir" ] && run_is_alive "$dir"; then running+=("$dir"); fi
+    [[ $dir != */.elsewhere/* ]] && [ -L "$dir" ] && continue
+    if [ -p "$dir/processes/control" ] && run_is_alive "$dir"; then running+=("$(readlink -f "$dir")"); fi
   done
+}
+
+# remember_elsewhere DIR: makes a lab outside runs/ known to all verbs; forgets those that are gone.
+remember_elsewhere() {
+  local known=$LAB_RUNS/.elsewhere link name=${1##*/} n
+  [ ! "$(dirname "$1")" -ef "$LAB_RUNS" ] || return 0
+  mkdir -p "$known" || return
+  for link in "$known"/*; do
+    [ ! -L "$link" ] || { [ -p "$link/processes/control" ] && [ "$(readlink "$link")" != "$1" ]; } || rm -f -- "$link"
+  done
+  for ((n = 1; ; n++)); do ln -sT "$1" "$known/$name$([ $n -eq 1 ] || echo "-$n")" 2>/dev/null && break || [ $n -lt 100 ] || break; done
 }
 
 # pick_lab ARGS..: removes `--lab RUN` from the arguments: sets rest to the others and lab_dir to the folder of that

@@ -45,6 +45,13 @@ json file_hash(const std::string& path) {
   return fs::exists(path) ? json(hex(hash_of_file(path))) : json(nullptr);
 }
 
+/// The names that the run may write, as the verb that began it wrote them into its manifest; null if none did.
+json files_of(const std::string& dir) {
+  std::ifstream in(dir + "/manifest.json");
+  const json begun = in ? try_parse_json(std::string(std::istreambuf_iterator<char>(in), {})) : json();
+  return begun.is_object() ? begun.value("files", json()) : json();
+}
+
 std::string version(int major, int minor, int patch) {
   return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
 }
@@ -56,6 +63,8 @@ json manifest(const std::string& dir, const Launch& launch) {
   utsname system{};
   uname(&system);
   out["lcmlab"] = LAB_VERSION;
+  out["state"] = "ended";
+  out["files"] = files_of(dir);
   out["compiler"] = std::string("g++ ") + __VERSION__;
   out["flags"] = LAB_FLAGS;
   out["libraries"] = {{"lcm", version(LCM_MAJOR_VERSION, LCM_MINOR_VERSION, LCM_MICRO_VERSION)},

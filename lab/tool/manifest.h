@@ -13,8 +13,9 @@ struct Launch {
   double wall_seconds = 0;                ///< 0 = not known
 };
 
-/// Versions, compiler, CPU, GL renderer (from gl.txt if there is one), seed, hashes, host, times, exit
-/// codes. Reads what is there of experiment.yaml, log.lcm, metrics.json; what is missing is null.
+/// Of a run that has ended: versions, compiler, CPU, GL renderer (from gl.txt if there is one), seed, hashes, host, times,
+/// exit codes, and the names that it may write, as its first manifest has them (scripts/lib.sh, begin_manifest). Reads
+/// what is there of experiment.yaml, log.lcm, metrics.json; what is missing is null.
 nlohmann::json manifest(const std::string& run_dir, const Launch&);
 
 }  // namespace lab

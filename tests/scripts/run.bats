@@ -9,14 +9,14 @@ setup() {
   cat >"$LAB_BUILD/bin/lab-experiment" <<'IN'
 #!/usr/bin/env bash
 case $1 in
-  resolve) shift
+  resolve) shift; out=/dev/stdout
     while [ $# -gt 0 ]; do case $1 in -o) out=$2; shift 2 ;; --set) sets+=" $2"; shift 2 ;; *) in=$1; shift ;; esac; done
     grep -q bad "$in" && { echo "$in:1: bad: this is wrong, do that" >&2; exit 3; }
-    cp "$in" "$out" && [ -z "${sets:-}" ] || echo "# set$sets" >>"$out" ;;
-  processes) cat "$2" ;;
+    { echo "# As run" && cat "$in"; } >"$out" && [ -z "${sets:-}" ] || echo "# set$sets" >>"$out" ;;
+  processes) grep -v '^# As run' "$2" ;;
   evaluate) echo '{}' >"$2/metrics.json"; echo "tracking: ok"; ! grep -q unexpected "$2/experiment.yaml" ;;
   report) echo page >"$2/report.html"; ! grep -q unpaintable "$2/experiment.yaml" ;;
-  manifest) dir=$2; shift 2; echo "$*" >"$dir/manifest.json" ;;
+  manifest) dir=$2; shift 2; sed -i 's/"state": "running"/"state": "ended"/' "$dir/manifest.json"; echo "$*" >>"$dir/manifest.json" ;;
 esac
 IN
   chmod +x "$LAB_BUILD/bin/lab-experiment"
@@ -101,14 +101,37 @@ log_has() { grep -q "$2" "$LAB_RUNS/trial/processes/$1.log" 2>/dev/null; }
   [ "$(ls "$BATS_TEST_TMPDIR/mine")" = thesis.tex ]
   run lab_run -o "$BATS_TEST_TMPDIR/there"
   [ "$status" -eq 0 ]
-  touch "$BATS_TEST_TMPDIR/there/log.lcm"
+  touch "$BATS_TEST_TMPDIR/there/log.lcm" "$BATS_TEST_TMPDIR/there/notes.txt"
   run lab_run -o "$BATS_TEST_TMPDIR/there"
   [ "$status" -eq 0 ]
   [ ! -e "$BATS_TEST_TMPDIR/there/log.lcm" ]
+  [ -f "$BATS_TEST_TMPDIR/there/notes.txt" ]
   run lab_run -o /proc/nothing
   [ "$status" -eq 2 ]
   [ "${#lines[@]}" -eq 1 ]
   [ ! -e "$LAB_RUNS/latest" ]
+}
+
+@test "-o: a person's own experiment.yaml, pictures and log are not a run" {
+  given "simulator: true # $mark"
+  mkdir -p "$BATS_TEST_TMPDIR/mine/frames"
+  echo 'robot: {}' >"$BATS_TEST_TMPDIR/mine/experiment.yaml"
+  echo '{"name": "my web page"}' >"$BATS_TEST_TMPDIR/mine/manifest.json"
+  touch "$BATS_TEST_TMPDIR/mine/"{frames/0001.png,log.lcm}
+  before=$(find "$BATS_TEST_TMPDIR/mine" -type f -exec cksum {} + | sort)
+  cd "$BATS_TEST_TMPDIR/mine"
+  run lab_run -o .
+  [ "$status" -eq 2 ]
+  [ "$(find "$BATS_TEST_TMPDIR/mine" -type f -exec cksum {} + | sort)" = "$before" ]
+}
+
+@test "a run's manifest is there from the beginning, and says that it runs" {
+  given "simulator: cat $LAB_RUNS/trial/manifest.json >seen; true # $mark"
+  cd "$BATS_TEST_TMPDIR"
+  run lab_run
+  [ "$status" -eq 0 ]
+  grep -q '"state": "running"' seen
+  ! grep -q '"state": "running"' "$LAB_RUNS/trial/manifest.json"
 }
 
 @test "two runs in one folder: the second is refused" {

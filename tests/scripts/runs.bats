@@ -14,8 +14,10 @@ teardown() { common_teardown; }
 
 make_run() { # NAME [EXIT_CODE]
   mkdir -p "$LAB_RUNS/$1"
-  touch "$LAB_RUNS/$1/experiment.yaml"
-  [ $# -lt 2 ] || echo "{\"exit_codes\": {\"run\": $2}, \"experiment\": \"$1\", \"last_step\": 7}" >"$LAB_RUNS/$1/manifest.json"
+  echo '# As run; made from a file.' >"$LAB_RUNS/$1/experiment.yaml"
+  [ $# -lt 2 ] || touch "$LAB_RUNS/$1/log.lcm"
+  [ $# -lt 2 ] || echo "{\"lcmlab\": \"0\", \"state\": \"ended\", \"files\": [\"experiment.yaml\", \"manifest.json\", \"log.lcm\"],
+    \"exit_codes\": {\"run\": $2}, \"experiment\": \"$1\", \"last_step\": 7}" >"$LAB_RUNS/$1/manifest.json"
 }
 make_runs() {
   make_run good 0
@@ -23,6 +25,8 @@ make_runs() {
   make_run died 5
   make_run stopped 130
   make_run killed
+  make_run logless 0
+  rm "$LAB_RUNS/logless/log.lcm"
   mkdir "$LAB_RUNS/notes"
   ln -s good "$LAB_RUNS/latest"
 }
@@ -31,12 +35,13 @@ make_runs() {
   make_runs
   run "$LAB" ls
   [ "$status" -eq 0 ]
-  [ "${#lines[@]}" -eq 5 ]
+  [ "${#lines[@]}" -eq 6 ]
   grep -qE '^good +ok ' <<<"$output"
   grep -qE '^missed +failed ' <<<"$output"
   grep -qE '^died +exit 5 ' <<<"$output"
   grep -qE '^stopped +stopped ' <<<"$output"
   grep -qE '^killed +unfinished ' <<<"$output"
+  grep -qE '^logless +no log ' <<<"$output"
 }
 
 @test "ls --json is JSON, and a run that holds its lock is alive" {
@@ -46,7 +51,7 @@ make_runs() {
   "$LAB" ls --json | python3 -c '
 import json, sys
 runs = {r["name"]: r for r in json.load(sys.stdin)}
-assert len(runs) == 5 and runs["killed"]["verdict"] == "alive" and runs["good"]["steps"] == 7, runs'
+assert len(runs) == 6 and runs["killed"]["verdict"] == "alive" and runs["good"]["steps"] == 7, runs'
   exec {lock}<&-
 }
 
@@ -72,7 +77,7 @@ assert len(runs) == 5 and runs["killed"]["verdict"] == "alive" and runs["good"][
   make_runs
   run "$LAB" clean --yes
   [ "$status" -eq 0 ]
-  [ "$(ls "$LAB_RUNS" | xargs)" = "died good latest missed notes stopped" ]
+  [ "$(ls "$LAB_RUNS" | xargs)" = "died good latest logless missed notes stopped" ]
   [ "$(ls "$BATS_TEST_TMPDIR/project/build" | xargs)" = "mine release" ]
 }
 
@@ -82,6 +87,30 @@ assert len(runs) == 5 and runs["killed"]["verdict"] == "alive" and runs["good"][
   [ "$status" -eq 0 ]
   [ "$(ls "$LAB_RUNS")" = notes ]
   [ "$(ls "$BATS_TEST_TMPDIR/project/build")" = mine ]
+}
+
+@test "clean leaves what a run did not write, and a folder with it" {
+  make_runs
+  mkdir -p "$LAB_RUNS/died/frames" "$BATS_TEST_TMPDIR/mine"
+  touch "$LAB_RUNS/good/notes.txt" "$LAB_RUNS/killed/log.lcm.part" "$LAB_RUNS/killed/catalogue.lcm" "$BATS_TEST_TMPDIR/mine/0001.png"
+  ln -s "$BATS_TEST_TMPDIR/mine" "$LAB_RUNS/killed/frames"
+  run "$LAB" clean --all --yes
+  [ "$status" -eq 0 ]
+  [[ $output == *"good stays"*notes.txt* ]]
+  [ "$(ls "$LAB_RUNS/good" "$LAB_RUNS/killed" | xargs)" = "$LAB_RUNS/good: notes.txt $LAB_RUNS/killed: catalogue.lcm frames" ]
+  [ -f "$BATS_TEST_TMPDIR/mine/0001.png" ]
+}
+
+@test "clean takes no name out of a forged manifest that is not in the folder" {
+  make_run forged 0
+  touch "$LAB_RUNS/kept.yaml"
+  for name in ../kept.yaml "$LAB_RUNS/kept.yaml" frames/../../kept.yaml; do
+    echo "{\"lcmlab\": \"0\", \"state\": \"ended\", \"files\": [\"$name\"]}" >"$LAB_RUNS/forged/manifest.json"
+    run "$LAB" clean --yes forged
+    [ "$status" -eq 1 ]
+    [[ $output == *"is not a file of a run"* ]]
+    [ -f "$LAB_RUNS/kept.yaml" ]
+  done
 }
 
 @test "clean refuses what is no run, and a run that is alive" {

@@ -59,6 +59,26 @@ def test_with_a_quota_a_live_lab_keeps_the_newest_of_its_log(runs):
     assert call(runs, "up", "--quota", "much").returncode == 2
 
 
+def test_a_lab_elsewhere_is_found_and_an_ended_one_is_not_ready(runs, tmp_path):
+    elsewhere = tmp_path / "elsewhere" / "arm"
+    assert call(runs, "wait", "--ready").returncode == 2, "there is no lab"
+    done = call(runs, "up", "-d", "--private", "-o", str(elsewhere), "nosuch")
+    assert done.returncode == 2 and "no process 'nosuch'" in done.stderr
+    assert not elsewhere.exists() and not list(runs.glob("*")), "a usage error leaves nothing"
+    ok(call(runs, "up", "-d", "--private", "-o", str(elsewhere), *PATIENT))
+    assert json.loads((elsewhere / "manifest.json").read_text())["state"] == "running"
+    ok(call(runs, "wait", "--ready"))
+    [there] = json.loads(ok(call(runs, "ps", "--json")))
+    assert {p["state"] for p in there["processes"]} == {"RUNNING"}
+    ok(call(runs, "goal", "0.1", "0", "0", "0", "0", "0"))
+    ok(call(runs, "down"))
+    ended = json.loads((elsewhere / "manifest.json").read_text())
+    assert ended["state"] == "ended" and "log.lcm" in ended["files"]
+    done = call(runs, "wait", "--ready", "--lab", str(elsewhere))
+    assert done.returncode == 4 and "has ended already" in done.stderr
+    assert call(runs, "wait", "--ready").returncode == 2
+
+
 def test_killed_and_restarted_in_lockstep_the_log_is_the_same(runs, tmp_path):
     file = lab.experiment(tmp_path, dt=0.001, duration=8)
     undisturbed = lab.solo(file, tmp_path / "solo")
