@@ -111,8 +111,10 @@ has_ended() { [ -f "$1/manifest.json" ] && ! grep -q '"state": "running"' "$1/ma
 begin_manifest() {
   local files
   printf -v files '"%s", ' "${run_files[@]}"
-  printf '{\n  "lcmlab": "running",\n  "state": "running",\n  "files": [%s]\n}\n' "${files%, }" >"$1/.manifest.json.new" &&
-    mv -fT "$1/.manifest.json.new" "$1/manifest.json" || cannot_make "$1"
+  {
+    printf '{\n  "lcmlab": "running",\n  "state": "running",\n  "files": [%s]\n}\n' "${files%, }" >"$1/.manifest.json.new"
+  } 2>/dev/null || cannot_make "$1"
+  mv -fT "$1/.manifest.json.new" "$1/manifest.json" || cannot_make "$1"
 }
 
 # files_of_run DIR: sets patterns to what this run may have written: as its manifest says, which may be of another version

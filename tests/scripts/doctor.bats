@@ -52,7 +52,7 @@ needs() { # root|userns|CAPABILITY
 
 @test "a run folder that was killed, and one that cannot be written" {
   mkdir -p "$LAB_RUNS/old/processes"
-  touch "$LAB_RUNS/old/processes/Procfile"
+  echo '{"lcmlab": "running", "state": "running", "files": ["manifest.json", "processes/control"]}' >"$LAB_RUNS/old/manifest.json"
   mkfifo "$LAB_RUNS/old/processes/control"
   doctor
   [ "$(verdict_of leftovers)" = "note scripts/lab clean old" ]
