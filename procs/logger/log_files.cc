@@ -92,10 +92,11 @@ void LogFiles::open(int64_t run, bool may_split,
   LogReader reader(part);
   LogEvent event;
   for (int64_t i = 0; i < whole->events && reader.next(event); ++i) {
-    const Channel channel = *channel_of(event.channel);
-    if (begins_a_log(channel))
-      begin_.push_back({channel, event.utime, {event.data.begin(), event.data.end()}});
-    visit(channel, event.data);
+    const auto channel = channel_of(event.channel);
+    if (!channel) continue;  // whole_steps takes no file with such an event
+    if (begins_a_log(*channel))
+      begin_.push_back({*channel, event.utime, {event.data.begin(), event.data.end()}});
+    visit(*channel, event.data);
   }
   log_ = std::make_unique<LogWriter>(log_path_, whole->bytes, whole->events);
 }

@@ -67,10 +67,10 @@ void resume(const Config& c, State& s, int64_t step, double t, const Eigen::Vect
   if (distance < 1e-9 && speed < 1e-9) s.ramp = 0;  // it starts from rest anyway
 }
 
-/// True if the detour stays inside the speed and position limits.
-bool possible(const Config& c, const State& s, Reference& scratch) {
+/// True if the detour, which is `length` s long, stays inside the speed and position limits.
+bool possible(const Config& c, const State& s, double length, Reference& scratch) {
   for (int k = 0; k <= 100; ++k) {
-    motion(c, s, s.detour->path.length * k / 100, scratch);
+    motion(c, s, length * k / 100, scratch);
     for (Eigen::Index i = 0; i < scratch.q.size(); ++i)
       if (std::abs(scratch.v[i]) > c.v_max[i] * (1 + 1e-9) || scratch.q[i] < c.q_min[i] - 1e-9 ||
           scratch.q[i] > c.q_max[i] + 1e-9)
@@ -100,8 +100,8 @@ std::string divert(const Config& c, State& s, int64_t step, double T, bool may_b
   scratch.v.resize(c.nv);
   scratch.a.resize(c.nv);
   for (int attempt = 0; attempt < (may_be_slower ? 12 : 1); ++attempt, T *= 1.25) {
-    next.detour = make(T);
-    if (!possible(c, next, scratch)) continue;
+    const Detour& detour = next.detour.emplace(make(T));
+    if (!possible(c, next, detour.path.length, scratch)) continue;
     s = std::move(next);
     return "";
   }
@@ -162,7 +162,7 @@ Output step(const Config& config, State& state, const Input& input) {
     const int64_t at = joins ? input.step : std::max(state.last_step, state.since);
     state.start_time = motion_time(config, state, at).t;
     state.held = true;
-  } else if (!held && state.held) {
+  } else if (!held && state.held && input.state) {
     resume(config, state, input.step, state.start_time, input.state->q, reference);
   }
   const auto now = [&] {
