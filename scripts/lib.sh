@@ -123,8 +123,8 @@ files_of_run() {
   patterns=()
   if has_manifest "$1"; then
     list=$(tr -d '\n' <"$1/manifest.json")
-    list=${list#*'"files": ['}
-    mapfile -t patterns < <(grep -o '"[^"]*"' <<<"${list%%]*}" | tr -d '"')
+    list=$(sed -E 's/^ *\].*//; s/" *\].*/"/' <<<"${list#*'"files": ['}") # a pattern may have a ] of its own
+    mapfile -t patterns < <(grep -o '"[^"]*"' <<<"$list" | tr -d '"')
   else
     patterns=("${run_files[@]}")
   fi

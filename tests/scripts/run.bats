@@ -101,10 +101,11 @@ log_has() { grep -q "$2" "$LAB_RUNS/trial/processes/$1.log" 2>/dev/null; }
   [ "$(ls "$BATS_TEST_TMPDIR/mine")" = thesis.tex ]
   run lab_run -o "$BATS_TEST_TMPDIR/there"
   [ "$status" -eq 0 ]
-  touch "$BATS_TEST_TMPDIR/there/log.lcm" "$BATS_TEST_TMPDIR/there/notes.txt"
+  mkdir -p "$BATS_TEST_TMPDIR/there/frames"
+  touch "$BATS_TEST_TMPDIR/there/"{log.lcm,notes.txt,log-2.earlier.lcm,frames/0001.png,processes/old.log.1}
   run lab_run -o "$BATS_TEST_TMPDIR/there"
   [ "$status" -eq 0 ]
-  [ ! -e "$BATS_TEST_TMPDIR/there/log.lcm" ]
+  for old in log.lcm log-2.earlier.lcm frames processes/old.log.1; do [ ! -e "$BATS_TEST_TMPDIR/there/$old" ]; done
   [ -f "$BATS_TEST_TMPDIR/there/notes.txt" ]
   run lab_run -o /proc/nothing
   [ "$status" -eq 2 ]
