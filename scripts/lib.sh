@@ -279,7 +279,11 @@ remember_elsewhere() {
   for link in "$known"/*; do
     [ ! -L "$link" ] || { [ -p "$link/processes/control" ] && [ "$(readlink "$link")" != "$1" ]; } || rm -f -- "$link"
   done
-  for ((n = 1; ; n++)); do ln -sT "$1" "$known/$name$([ $n -eq 1 ] || echo "-$n")" 2>/dev/null && break || [ $n -lt 100 ] || break; done
+  link=$known/$name
+  for ((n = 2; n <= 100; n++)); do
+    if ln -sT "$1" "$link" 2>/dev/null; then break; fi
+    link=$known/$name-$n
+  done
 }
 
 # pick_lab ARGS..: removes `--lab RUN` from the arguments: sets rest to the others and lab_dir to the folder of that

@@ -45,11 +45,16 @@ json file_hash(const std::string& path) {
   return fs::exists(path) ? json(hex(hash_of_file(path))) : json(nullptr);
 }
 
-/// The names that the run may write, as the verb that began it wrote them into its manifest; null if none did.
-json files_of(const std::string& dir) {
-  std::ifstream in(dir + "/manifest.json");
-  const json begun = in ? try_parse_json(std::string(std::istreambuf_iterator<char>(in), {})) : json();
-  return begun.is_object() ? begun.value("files", json()) : json();
+/// What a JSON file of the run's folder holds; null if it is not there or is no object.
+json object_in(const std::string& path) {
+  std::ifstream in(path);
+  json found = in ? try_parse_json(std::string(std::istreambuf_iterator<char>(in), {})) : json();
+  return found.is_object() ? found : json();
+}
+
+/// A member of an object; null if there is none.
+json member(const json& object, const char* key) {
+  return object.is_object() ? object.value(key, json()) : json();
 }
 
 std::string version(int major, int minor, int patch) {
@@ -64,7 +69,8 @@ json manifest(const std::string& dir, const Launch& launch) {
   uname(&system);
   out["lcmlab"] = LAB_VERSION;
   out["state"] = "ended";
-  out["files"] = files_of(dir);
+  out["files"] =
+      member(object_in(dir + "/manifest.json"), "files");  // as the verb that began the run wrote them
   out["compiler"] = std::string("g++ ") + __VERSION__;
   out["flags"] = LAB_FLAGS;
   out["libraries"] = {{"lcm", version(LCM_MAJOR_VERSION, LCM_MINOR_VERSION, LCM_MICRO_VERSION)},
@@ -92,11 +98,8 @@ json manifest(const std::string& dir, const Launch& launch) {
   const auto bytes = fs::file_size(dir + "/log.lcm", none);
   out["log_bytes"] = none ? json(nullptr) : json(bytes);
 
-  std::ifstream metrics(dir + "/metrics.json");
-  const json found =
-      metrics ? try_parse_json(std::string(std::istreambuf_iterator<char>(metrics), {})) : json();
-  for (const char* key : {"run", "last_step", "complete", "passed"})
-    out[key] = found.is_object() ? found.value(key, json()) : json();
+  const json metrics = object_in(dir + "/metrics.json");
+  for (const char* key : {"run", "last_step", "complete", "passed"}) out[key] = member(metrics, key);
 
   out["started"] = launch.started.empty() ? json(nullptr) : json(launch.started);
   out["ended"] = launch.ended.empty() ? json(nullptr) : json(launch.ended);
