@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -139,8 +140,10 @@ TEST_F(MeshCacheTest, BrokenEntriesAreMadeAgain) {
   };
   check("");
   check("rubbish");
-  for (size_t cut = 1; cut < bytes.size(); cut += 19) check(bytes.substr(0, cut));
-  for (size_t at = 0; at < bytes.size(); at += 23) {
+  // After each the mesh is read and looked at from all around again, 0.8 s with sanitizers: ten of either kind.
+  const size_t stride = std::max<size_t>(1, bytes.size() / 10);
+  for (size_t cut = 1; cut < bytes.size(); cut += stride) check(bytes.substr(0, cut));
+  for (size_t at = 0; at < bytes.size(); at += stride) {
     std::string flipped = bytes;
     flipped[at] ^= 0x10;
     check(flipped);
