@@ -7,6 +7,7 @@
 
 #include "wire/log/log_reader.h"
 #include "wire/process/participant.h"
+#include "wire/schema/codec.h"
 #include "wire/schema/guard.h"
 
 namespace lab::logger {
@@ -31,7 +32,7 @@ std::optional<Whole> whole_steps(const std::string& path, int64_t run) {
     if (!channel) return std::nullopt;
     const Verdict verdict = guard.check(*channel, event.data);
     if (!verdict || verdict.head.run != run) return std::nullopt;
-    if (verdict.head.step != last_step) {
+    if (*channel != Channel::Check && verdict.head.step != last_step) {
       last_step = verdict.head.step;
       whole = {event.offset, events};
     }
@@ -80,9 +81,10 @@ LogFiles::~LogFiles() {
   }
 }
 
-void LogFiles::open(int64_t run, bool may_split,
+void LogFiles::open(int64_t run, LogKind kind,
                     const std::function<void(Channel, std::span<const uint8_t>)>& visit) {
-  may_split_ = may_split;
+  run_ = run;
+  kind_ = kind;
   const std::string part = part_name(log_path_);
   const auto whole = std::filesystem::exists(part) ? whole_steps(part, run) : std::nullopt;
   if (!whole) {
@@ -96,25 +98,50 @@ void LogFiles::open(int64_t run, bool may_split,
     if (!channel) continue;  // whole_steps takes no file with such an event
     if (begins_a_log(*channel))
       begin_.push_back({*channel, event.utime, {event.data.begin(), event.data.end()}});
+    if (*channel == Channel::Check)
+      unchecked_.reset();
+    else
+      unchecked_.add(event.bytes, event.utime);
     visit(*channel, event.data);
   }
   log_ = std::make_unique<LogWriter>(log_path_, whole->bytes, whole->events);
 }
 
+void LogFiles::add_to_log(Channel channel, std::span<const uint8_t> bytes, int64_t utime) {
+  unchecked_.add(log_->add(utime, row(channel).name, bytes), utime);
+  if (unchecked_.count() >= kCheckEvery) add_check();
+}
+
+void LogFiles::add_check() {
+  if (kind_.checks && unchecked_.count() > 0)
+    log_->add(unchecked_.utime(), row(Channel::Check).name, encode(unchecked_.check(run_)));
+  unchecked_.reset();
+}
+
 void LogFiles::append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) {
-  log_->add(utime, row(channel).name, bytes);
+  if (channel == Channel::End) {  // proves itself
+    add_check();
+    log_->add(utime, row(channel).name, bytes);
+    return;
+  }
+  add_to_log(channel, bytes, utime);
   if (begins_a_log(channel)) begin_.push_back({channel, utime, {bytes.begin(), bytes.end()}});
 }
 
 void LogFiles::flush() {
   log_->flush();
-  if (split_ == 0 || !may_split_ || log_->bytes() < split_) return;
+  if (split_ == 0 || !kind_.may_split || log_->bytes() < split_) return;
+  add_check();
+  log_->flush();
   begin_next_piece(log_, log_path_);
-  for (const Begin& event : begin_) log_->add(event.utime, row(event.channel).name, event.bytes);
+  for (const Begin& event : begin_) add_to_log(event.channel, event.bytes, event.utime);
   log_->flush();
 }
 
-void LogFiles::close() { log_->finish(); }
+void LogFiles::close() {
+  add_check();
+  log_->finish();
+}
 
 void LogFiles::telemetry(Channel channel, std::span<const uint8_t> bytes) {
   telemetry_->add(wall_now(), row(channel).name, bytes);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "wire/log/event_hash.h"
 #include "wire/log/log_writer.h"
 #include "wire/protocol/logger_role.h"
 
@@ -23,7 +24,7 @@ class LogFiles : public LogSink {
   ~LogFiles() override;
 
   /// Continues log.lcm.part if it is of the same run, cut back to its whole steps; else starts a new one.
-  void open(int64_t run, bool may_split,
+  void open(int64_t run, LogKind kind,
             const std::function<void(Channel, std::span<const uint8_t>)>& visit) override;
   void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) override;
   void flush() override;
@@ -36,9 +37,14 @@ class LogFiles : public LogSink {
     int64_t utime;
     std::vector<uint8_t> bytes;
   };
+  void add_to_log(Channel channel, std::span<const uint8_t> bytes, int64_t utime);
+  void add_check();
+
   const std::string log_path_, telemetry_path_;
   const uint64_t split_;      ///< bytes of a piece; 0 = never
-  bool may_split_ = false;    ///< log.lcm
+  int64_t run_ = 0;           ///< of log.lcm
+  LogKind kind_;              ///< of log.lcm
+  EventHash unchecked_;       ///< the events that no CHECK covers yet
   std::vector<Begin> begin_;  ///< what each piece of log.lcm begins with: RUN and TYPE
   std::unique_ptr<LogWriter> log_, telemetry_;
 };

@@ -1,6 +1,7 @@
 // Whatever bytes come in on one of the lab's channels: the guard refuses them with a reason, or the generated decoder
 // takes them, encodes them to the same bytes, and the schema's own decoder agrees. First byte: the channel.
 #include <lab/ack_t.hpp>
+#include <lab/check_t.hpp>
 #include <lab/command_t.hpp>
 #include <lab/end_t.hpp>
 #include <lab/event_t.hpp>
@@ -54,6 +55,8 @@ void with_type(Channel channel, F&& f) {
       return f(process_t{});
     case Channel::Frame:
       return f(frame_t{});
+    case Channel::Check:
+      return f(check_t{});
   }
 }
 

@@ -88,7 +88,7 @@ LogReader::Look LogReader::look(uint64_t offset, LogEvent& event) {
   event.channel = {reinterpret_cast<const char*>(p + kHeader), channel};
   event.data = {p + kHeader + channel, data};
   event.offset = offset;
-  event.size = end - offset;
+  event.bytes = {p, static_cast<size_t>(end - offset)};
   return Look::Good;
 }
 
@@ -123,7 +123,7 @@ bool LogReader::next(LogEvent& event) {
     const Look seen = look(at, event);
     if (seen == Look::Good) {
       if (at > position_) skipped_.push_back({position_, at - position_});
-      position_ = at + event.size;
+      position_ = at + event.bytes.size();
       tail_ = 0;
       return true;
     }

@@ -12,10 +12,10 @@ namespace lab {
 struct LogEvent {
   int64_t number = 0;
   int64_t utime = 0;
-  std::string_view channel;       ///< valid until the next call
-  std::span<const uint8_t> data;  ///< valid until the next call
-  uint64_t offset = 0;            ///< of its first byte in the file
-  uint64_t size = 0;              ///< bytes it takes in the file
+  std::string_view channel;        ///< valid until the next call
+  std::span<const uint8_t> data;   ///< valid until the next call
+  uint64_t offset = 0;             ///< of its first byte in the file
+  std::span<const uint8_t> bytes;  ///< all of it as it is in the file; valid until the next call
 };
 
 class LogReader {

@@ -80,7 +80,9 @@ void LogWriter::open(int flags) {
   if (fd_ < 0) fail(part_, "opening");
 }
 
-void LogWriter::add(int64_t utime, std::string_view channel, std::span<const uint8_t> data) {
+std::span<const uint8_t> LogWriter::add(int64_t utime, std::string_view channel,
+                                        std::span<const uint8_t> data) {
+  const size_t begin = buffer_.size();
   if (channel.empty() || channel.size() > kMaxChannelName)
     throw std::invalid_argument(part_ + ": channel name must have 1 to " + std::to_string(kMaxChannelName) +
                                 " bytes");
@@ -91,6 +93,7 @@ void LogWriter::add(int64_t utime, std::string_view channel, std::span<const uin
   append_big_endian(buffer_, static_cast<uint32_t>(data.size()));
   buffer_.insert(buffer_.end(), channel.begin(), channel.end());
   buffer_.insert(buffer_.end(), data.begin(), data.end());
+  return std::span(buffer_).subspan(begin);
 }
 
 void LogWriter::flush() {

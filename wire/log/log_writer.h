@@ -19,8 +19,8 @@ class LogWriter {
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  /// Appends one event to memory.
-  void add(int64_t utime, std::string_view channel, std::span<const uint8_t> data);
+  /// Appends one event to memory; returns its bytes, valid until the next call.
+  std::span<const uint8_t> add(int64_t utime, std::string_view channel, std::span<const uint8_t> data);
   /// Hands everything added so far to the kernel with write(2). On failure (disk full) the file is cut back
   /// to what the last good flush left, so flush at the end of whole steps; throws with the path and the
   /// reason.

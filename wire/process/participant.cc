@@ -190,7 +190,7 @@ void Participant::bind(const Role& role) {
 
 void Participant::receive(Role& role, const Datagram& datagram) {
   const auto channel = channel_of(datagram.channel, options_.prefix);
-  if (!channel) return;
+  if (!channel || row(*channel).publisher == Publisher::Nobody) return;
   const bool wanted =
       options_.channels.empty() ||
       std::find(options_.channels.begin(), options_.channels.end(), *channel) != options_.channels.end();

@@ -64,7 +64,7 @@ void LoggerRole::on_run(std::span<const uint8_t> bytes) {
   } catch (const std::exception& error) {
     return fail(kBadConfig, error.what());
   }
-  const bool resumed = log_.open(bytes, message, setup, types_);
+  const bool resumed = log_.open(bytes, message, setup, config_.every == 1, types_);
   if (resumed && config_.every != 1 && !setup.realtime)
     return fail(kBadConfig, "cannot go on with a log of which only some steps were written");
   if (setup.realtime)

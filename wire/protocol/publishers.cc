@@ -26,6 +26,7 @@ std::string_view Publishers::owner_of(Channel channel) {
       return kRenderer;
     case Publisher::Named:
     case Publisher::Anybody:
+    case Publisher::Nobody:
       return {};
   }
   return {};

@@ -11,27 +11,30 @@
 namespace lab {
 
 bool RunLog::open(std::span<const uint8_t> run_bytes, const run_t& run, const RunSetup& setup,
-                  const MakeTypes& types) {
+                  bool every_step, const MakeTypes& types) {
   run_ = run.run;
   setup_ = setup;
   bool resumed = false;
-  sink_.open(run_, setup.realtime, [&](Channel channel, std::span<const uint8_t> logged) {
+  const LogKind kind{.may_split = setup.realtime, .checks = setup.realtime || !every_step};
+  sink_.open(run_, kind, [&](Channel channel, std::span<const uint8_t> logged) {
     resumed = true;
+    if (channel == Channel::Run || channel == Channel::Type) beginning_.add(channel, logged);
     if (channel == Channel::RobotState) written = peek_step(logged);
     if (channel == Channel::Input) input_seq = decode<input_t>(logged).input_seq;
   });
   flushed_ = written;
   if (resumed) return true;
   sink_.append(Channel::Run, run_bytes, run.utime);
-  for (const Bytes& type : types(run_)) sink_.append(Channel::Type, type, 0);
+  beginning_.add(Channel::Run, run_bytes);
+  for (const Bytes& type : types(run_)) {
+    sink_.append(Channel::Type, type, 0);
+    beginning_.add(Channel::Type, type);
+  }
   sink_.flush();
   return false;
 }
 
-void RunLog::set_end(std::span<const uint8_t> bytes) {
-  end_ = decode<end_t>(bytes);
-  end_bytes_.assign(bytes.begin(), bytes.end());
-}
+void RunLog::set_end(std::span<const uint8_t> bytes) { end_ = decode<end_t>(bytes); }
 
 void RunLog::flush() {
   sink_.flush();
@@ -41,7 +44,12 @@ void RunLog::flush() {
 
 void RunLog::close() {
   if (closed_) return;
-  if (end_) sink_.append(Channel::End, end_bytes_, end_->utime);
+  if (end_) {
+    end_->check = 0;
+    beginning_.add(Channel::End, encode(*end_));
+    end_->check = beginning_.value();
+    sink_.append(Channel::End, encode(*end_), end_->utime);
+  }
   sink_.close();
   flushed_ = written;
   closed_ = true;

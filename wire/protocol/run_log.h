@@ -6,18 +6,23 @@
 #include <vector>
 
 #include "wire/protocol/follower.h"
+#include "wire/protocol/log_hash.h"
 #include "wire/protocol/role.h"
 
 namespace lab {
+
+struct LogKind {
+  bool may_split = false;  ///< may be limited to its newest steps (in lockstep it is whole, or no log)
+  bool checks = false;     ///< gets CHECK events: the digests in ROBOT_STATE do not prove its steps
+};
 
 /// The output of the logger. The caller owns the file.
 class LogSink {
  public:
   virtual ~LogSink() = default;
   /// Opens the log of this run. If the process was restarted: calls `visit` for each message of the whole steps that
-  /// are already in the log of the same run, and truncates the rest. Throws with one line. may_split: the log may be
-  /// limited to its newest steps (in lockstep it is whole, or no log).
-  virtual void open(int64_t run, bool may_split,
+  /// are already in the log of the same run, and truncates the rest. Throws with one line.
+  virtual void open(int64_t run, LogKind kind,
                     const std::function<void(Channel, std::span<const uint8_t>)>& visit) = 0;
   /// Adds one event. utime is the event's time.
   virtual void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) = 0;
@@ -36,7 +41,8 @@ class RunLog {
   /// The encoded TYPE messages of a run, in the order of the log.
   using MakeTypes = std::function<std::vector<Bytes>(int64_t run)>;
   /// Opens the log with RUN and TYPE, or continues what an earlier process wrote of the same run: then true.
-  bool open(std::span<const uint8_t> run_bytes, const run_t& run, const RunSetup& setup,
+  /// every_step: no step is left out.
+  bool open(std::span<const uint8_t> run_bytes, const run_t& run, const RunSetup& setup, bool every_step,
             const MakeTypes& types);
   void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) {
     sink_.append(channel, bytes, utime);
@@ -64,7 +70,7 @@ class RunLog {
   int64_t run_ = 0;
   int64_t flushed_ = kBeforeStart;  ///< last step that the kernel has
   std::optional<end_t> end_;
-  Bytes end_bytes_;
+  LogHash beginning_;  ///< RUN and TYPE, as written
   bool closed_ = false;
 };
 

@@ -1,12 +1,10 @@
 #include "wire/protocol/step_record.h"
 
-#include <xxhash.h>
-
 #include <lab/event_t.hpp>
 #include <lab/input_t.hpp>
-#include <memory>
 
 #include "core/util/big_endian.h"
+#include "wire/protocol/log_hash.h"
 #include "wire/schema/codec.h"
 
 namespace lab {
@@ -91,16 +89,10 @@ void StepRecord::trim() {
 }
 
 int64_t StepRecord::digest() const {
-  static thread_local const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(),
-                                                                                           XXH3_freeState);
-  XXH3_64bits_reset(state.get());
-  in_order([&](Channel channel, const Bytes& bytes) {
-    const uint64_t head[2] = {static_cast<uint64_t>(channel), bytes.size()};
-    XXH3_64bits_update(state.get(), head, sizeof head);
-    XXH3_64bits_update(state.get(), bytes.data(), bytes.size());
-  });
-  const auto value = static_cast<int64_t>(XXH3_64bits_digest(state.get()));
-  return value ? value : 1;
+  static thread_local LogHash hash;
+  hash.reset();
+  in_order([](Channel channel, const Bytes& bytes) { hash.add(channel, bytes); });
+  return hash.value();
 }
 
 }  // namespace lab

@@ -23,9 +23,10 @@ enum class Channel : uint8_t {
   Ack,
   Need,
   Process,
-  Frame
+  Frame,
+  Check
 };
-inline constexpr int kChannels = 14;
+inline constexpr int kChannels = 15;
 
 /// Which file of a run's folder keeps the channel.
 enum class LogFile : uint8_t { None, Log, Telemetry };
@@ -38,6 +39,7 @@ enum class Publisher : uint8_t {
   Renderer,
   Named,    ///< the process that the message names
   Anybody,  ///< people and tools too
+  Nobody,   ///< only in logs; on the bus it is ignored
 };
 
 struct ChannelRow {
@@ -73,6 +75,7 @@ inline constexpr std::array<ChannelRow, kChannels> kChannelTable = [] {
       {Channel::Need, "NEED", "lab.need_t", 4 << 10, None, Named, true, true, "", ""},
       {Channel::Process, "PROCESS", "lab.process_t", 16 << 10, Telemetry, Named, false, true, "", ""},
       {Channel::Frame, "FRAME", "lab.frame_t", 16 << 10, Telemetry, Renderer, false, false, "", ""},
+      {Channel::Check, "CHECK", "lab.check_t", 4 << 10, Log, Nobody, false, false, "", ""},
   }};
 }();
 

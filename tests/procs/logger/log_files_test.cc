@@ -60,7 +60,7 @@ class LogFilesTest : public testing::Test {
   void die_after(int64_t run, int64_t first, int64_t last) const {
     killed([&] {
       LogFiles files(folder_);
-      files.open(run, true, [](Channel, std::span<const uint8_t>) {});
+      files.open(run, {.may_split = true}, [](Channel, std::span<const uint8_t>) {});
       for (int64_t step = first; step <= last; ++step)
         files.append(Channel::RobotState, state(run, step), step);
       files.flush();
@@ -71,7 +71,7 @@ class LogFilesTest : public testing::Test {
   std::vector<int64_t> steps_of(int64_t run) {
     LogFiles files(folder_);
     std::vector<int64_t> steps;
-    files.open(run, true, [&](Channel, std::span<const uint8_t> bytes) {
+    files.open(run, {.may_split = true}, [&](Channel, std::span<const uint8_t> bytes) {
       steps.push_back(decode<robot_state_t>(bytes).step);
     });
     return steps;
@@ -140,14 +140,15 @@ TEST_F(LogFilesTest, WithAQuotaTheNewestPiecesStayAndEachBeginsWithRunAndType) {
   };
   killed([&] {
     LogFiles files(folder_, quota);
-    files.open(7, true, [](Channel, std::span<const uint8_t>) {});
+    files.open(7, {.may_split = true}, [](Channel, std::span<const uint8_t>) {});
     files.append(Channel::Run, beginning<run_t>(7), 1);
     files.append(Channel::Type, beginning<type_t>(7), 2);
     write(files, 0, 29);
     _exit(testing::Test::HasFailure());
   });
   LogFiles files(folder_, quota);
-  files.open(7, true, [](Channel, std::span<const uint8_t>) {});  // the one after goes on alike
+  files.open(7, {.may_split = true},
+             [](Channel, std::span<const uint8_t>) {});  // the one after goes on alike
   write(files, 29, 99);
   files.close();
   const auto earlier = events_of(folder_ + "/log.earlier.lcm"), last = events_of(folder_ + "/log.lcm");
@@ -162,7 +163,7 @@ TEST_F(LogFilesTest, WithAQuotaTheNewestPiecesStayAndEachBeginsWithRunAndType) {
 
 TEST_F(LogFilesTest, ALockstepLogIsNeverSplit) {
   LogFiles files(folder_, 1000);
-  files.open(7, false, [](Channel, std::span<const uint8_t>) {});
+  files.open(7, {}, [](Channel, std::span<const uint8_t>) {});
   for (int64_t step = 0; step < 100; ++step) {
     files.append(Channel::RobotState, state(7, step), step);
     files.flush();

@@ -201,7 +201,7 @@ TEST_F(LogFiles, RandomDamageNeverInventsWholeEvents) {
     LogReader reader(store("bad.lcm", bad));
     LogEvent e;
     uint64_t covered = 0;
-    while (reader.next(e)) covered += e.size;
+    while (reader.next(e)) covered += e.bytes.size();
     for (const auto& gap : reader.skipped()) covered += gap.bytes;
     // every byte is an event's, skipped, or the tail's
     ASSERT_EQ(covered + reader.tail(), bad.size());

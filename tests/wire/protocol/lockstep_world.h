@@ -90,7 +90,7 @@ struct MemoryLog {
 class MemorySink : public LogSink {
  public:
   explicit MemorySink(MemoryLog& log) : log_(log) { log_.unflushed.clear(); }
-  void open(int64_t, bool, const std::function<void(Channel, std::span<const uint8_t>)>& visit) override {
+  void open(int64_t, LogKind, const std::function<void(Channel, std::span<const uint8_t>)>& visit) override {
     for (const Logged& entry : log_.kept) visit(entry.channel, entry.bytes);
   }
   void append(Channel channel, std::span<const uint8_t> bytes, int64_t) override {

@@ -26,8 +26,9 @@ Publishers known_to(const std::string& own) {
 TEST(Publishers, EveryChannelHasAnOwnerOrNamesOneOrIsForAll) {
   for (const ChannelRow& channel : kChannelTable) {
     const bool owned = !Publishers::owner_of(channel.id).empty();
-    EXPECT_EQ(owned, channel.publisher != Publisher::Named && channel.publisher != Publisher::Anybody)
-        << channel.name;
+    const bool named = channel.publisher != Publisher::Named && channel.publisher != Publisher::Anybody &&
+                       channel.publisher != Publisher::Nobody;
+    EXPECT_EQ(owned, named) << channel.name;
   }
   EXPECT_EQ(Publishers::owner_of(Channel::Command), kController);
   EXPECT_EQ(Publishers::owner_of(Channel::RobotState), kSimulator);

@@ -171,7 +171,7 @@ TEST(RealtimePlanner, PlansForTheStepAfterTheNewestState) {
 
 class Memory : public LogSink {
  public:
-  void open(int64_t, bool, const std::function<void(Channel, std::span<const uint8_t>)>&) override {}
+  void open(int64_t, LogKind, const std::function<void(Channel, std::span<const uint8_t>)>&) override {}
   void append(Channel channel, std::span<const uint8_t> bytes, int64_t) override {
     text += std::string(row(channel).name) + " " + std::to_string(decode_step(bytes)) + "\n";
   }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <lab/ack_t.hpp>
+#include <lab/check_t.hpp>
 #include <lab/command_t.hpp>
 #include <lab/end_t.hpp>
 #include <lab/event_t.hpp>
@@ -69,6 +70,8 @@ Bytes sample(Channel channel, int64_t run) {
       return make(process_t{});
     case Channel::Frame:
       return make(frame_t{});
+    case Channel::Check:
+      return make(check_t{});
   }
   return {};
 }
@@ -91,7 +94,7 @@ TEST(Channels, KeptAsTheContractSays) {
     if (r.log_file == LogFile::Log) log += std::string(r.name) + " ";
     if (r.log_file == LogFile::Telemetry) telemetry += std::string(r.name) + " ";
   }
-  EXPECT_EQ(log, "RUN TYPE ROBOT_STATE REFERENCE COMMAND INPUT EVENT END ");
+  EXPECT_EQ(log, "RUN TYPE ROBOT_STATE REFERENCE COMMAND INPUT EVENT END CHECK ");
   EXPECT_EQ(telemetry, "PROCESS FRAME ");
 }
 
