@@ -1,19 +1,20 @@
 #include "lab/evaluation/read_run.h"
 
+#include <algorithm>
 #include <lab/command_t.hpp>
 #include <lab/end_t.hpp>
 #include <lab/input_t.hpp>
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "lab/experiment/experiment_yaml.h"
 #include "procs/simulator/replay.h"
-#include "wire/log/logged_messages.h"
+#include "wire/log/checked_log.h"
 #include "wire/protocol/convert.h"
 #include "wire/schema/codec.h"
-#include "wire/schema/guard.h"
 
 namespace lab {
 
@@ -42,17 +43,14 @@ class RunReader {
   explicit RunReader(const std::string& log) : log_(log) {}
 
   LoggedRun read() {
-    for_each_message(
-        log_, guard_,
-        [this](Channel channel, std::span<const uint8_t> data) {
-          if (channel == Channel::Run && !begun_)
-            begin(decode<run_t>(data));
-          else if (begun_)
-            take(channel, data);
-        },
-        [this](const LogEvent& event, const Verdict& verdict) {
-          throw std::runtime_error(log_ + ": event " + std::to_string(event.number) + ": " + verdict.reason);
-        });
+    out_.log = read_checked(log_, [this](Channel channel, std::span<const uint8_t> data) {
+      if (channel == Channel::Run && !begun_)
+        begin(decode<run_t>(data));
+      else
+        take(channel, data);
+    });
+    out_.path = log_;
+    out_.growing = is_being_written(log_);
     if (!begun_) throw std::runtime_error(log_ + ": has no RUN message; it is not the log of a run");
     replay();
     pair_with_references();
@@ -68,20 +66,22 @@ class RunReader {
     out_.run = begin_run(out_.experiment, out_.robot.model);
     out_.run.aborted = true;
     out_.run.reason = "the log has no END";
-    guard_.set_run(message.run);
-    guard_.set_sizes(out_.robot.model.nq, out_.robot.model.nv);
+    if (message.nq != out_.robot.model.nq || message.nv != out_.robot.model.nv)
+      throw std::runtime_error(log_ + ": RUN: nq and nv are " + std::to_string(message.nq) + " and " +
+                               std::to_string(message.nv) + ", its robot has " +
+                               std::to_string(out_.robot.model.nq) + " and " +
+                               std::to_string(out_.robot.model.nv));
     begun_ = true;
   }
 
   void take(Channel channel, std::span<const uint8_t> data) {
     if (channel == Channel::RobotState) {
       const auto message = decode<robot_state_t>(data);
-      command_steps_[message.step] = message.command_step;
+      if (!plant_.sensors.perfect()) command_steps_[message.step] = message.command_step;
       RobotState& state = out_.run.states.emplace_back(to_signal(message));
       state.time = static_cast<double>(state.step) * out_.experiment.simulator.dt;
     } else if (channel == Channel::Reference) {
-      Reference reference = to_signal(decode<reference_t>(data));
-      references_[reference.step] = std::move(reference);
+      out_.run.references.push_back(to_signal(decode<reference_t>(data)));
     } else if (channel == Channel::Command) {
       const auto message = decode<command_t>(data);
       if (!plant_.sensors.perfect()) commands_.try_emplace(message.step, to_signal(message));
@@ -110,31 +110,50 @@ class RunReader {
     out_.run.external_work = std::move(external.work);
   }
 
-  /// A step counts if both its state and its reference are there.
+  /// A step counts if both its state and its reference are there. In place: of a long run there is no memory for both.
   void pair_with_references() {
-    std::vector<RobotState> whole;
-    for (RobotState& state : out_.run.states) {
-      const auto reference = references_.find(state.step);
-      if (reference == references_.end()) continue;
-      out_.run.references.push_back(reference->second);
-      whole.push_back(std::move(state));
+    std::vector<RobotState>& states = out_.run.states;
+    std::vector<Reference>& references = out_.run.references;
+    const auto by_step = [](const Reference& a, const Reference& b) { return a.step < b.step; };
+    if (!std::is_sorted(references.begin(), references.end(), by_step))
+      std::stable_sort(references.begin(), references.end(), by_step);
+    size_t pairs = 0, next = 0;
+    for (RobotState& state : states) {
+      while (next < references.size() && references[next].step < state.step) ++next;
+      if (next == references.size() || references[next].step != state.step) continue;
+      if (&state != &states[pairs]) states[pairs] = std::move(state);
+      if (next != pairs) references[pairs] = std::move(references[next]);
+      ++pairs;
+      ++next;
     }
-    out_.run.states = std::move(whole);
+    states.resize(pairs);
+    references.resize(pairs);
   }
 
   const std::string log_;
   LoggedRun out_;
   bool begun_ = false;
-  Guard guard_;
   simulator::Config plant_;
   simulator::SimulatorInputs inputs_;
-  std::map<int64_t, Reference> references_;
   std::map<int64_t, Command> commands_;
   std::map<int64_t, int64_t> command_steps_;  ///< by the state that it led to
 };
 
 }  // namespace
 
-LoggedRun read_run(const std::string& log) { return RunReader(log).read(); }
+LoggedRun read_run(const std::string& source) { return RunReader(find_log(source)).read(); }
+
+nlohmann::json evaluate_logged(const LoggedRun& logged) {
+  nlohmann::json all = evaluate(logged.run, logged.experiment.expect);
+  nlohmann::json damages = nlohmann::json::array();
+  for (const LogDamage& damage : logged.log.damages) damages.push_back(text_of(damage));
+  all["log"] = {{"sound", logged.log.sound()},
+                {"end", logged.log.has_end},
+                {"checksums", logged.log.checksums},
+                {"damage_count", logged.log.damage_count},
+                {"damages", std::move(damages)}};
+  if (!logged.log.sound()) all["passed"] = false;
+  return all;
+}
 
 }  // namespace lab

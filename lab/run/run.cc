@@ -1,5 +1,6 @@
 #include "lab/run/run.h"
 
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <cmath>
@@ -10,8 +11,8 @@
 
 #include "lab/experiment/experiment_yaml.h"
 #include "lcmtypes/texts.h"
+#include "wire/log/checked_log.h"
 #include "wire/log/log_writer.h"
-#include "wire/log/logged_messages.h"
 #include "wire/process/participant.h"
 #include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
@@ -93,9 +94,11 @@ ReadLog log_reader(const std::string& log_path) {
   return [log_path](int64_t run, const std::function<void(Channel, std::span<const uint8_t>)>& visit) {
     const std::string path = std::filesystem::exists(part_name(log_path)) ? part_name(log_path) : log_path;
     if (!std::filesystem::exists(path)) return;
-    Guard guard;
-    guard.set_run(run);
-    for_each_message(path, guard, visit);
+    const LogFindings found = read_checked(path, [&](Channel channel, std::span<const uint8_t> message) {
+      if (peek_run(message) == run) visit(channel, message);
+    });
+    for (const LogDamage& damage : found.damages)
+      fmt::print(stderr, "{}: damaged: {}\n", path, text_of(damage));
   };
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/util/big_endian.h"
 #include "tests/fuzz/fuzz.h"
+#include "wire/log/checked_log.h"
 #include "wire/log/log_reader.h"
 
 namespace lab::fuzz {
@@ -35,15 +36,18 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     LogReader reader("/proc/self/fd/" + std::to_string(file));
     uint64_t end = 0, given = 0, skipped = 0;
     for (LogEvent event; reader.next(event);) {
-      fuzz::demand(event.offset >= end && event.size == 28 + event.channel.size() + event.data.size(),
+      fuzz::demand(event.offset >= end && event.bytes.size() == 28 + event.channel.size() + event.data.size(),
                    "an event out of order, or of another size");
-      end = event.offset + event.size, given += event.size;
+      end = event.offset + event.bytes.size(), given += event.bytes.size();
       fuzz::demand(end <= size, "an event beyond the end");
       fuzz::demand(std::equal(event.data.begin(), event.data.end(), bytes + end - event.data.size()),
                    "other bytes than in the file");
     }
     for (const auto& gap : reader.skipped()) skipped += gap.bytes;
     fuzz::demand(given + skipped + reader.tail() == size, "bytes that are neither given, skipped nor left");
+    const LogFindings found =
+        read_checked("/proc/self/fd/" + std::to_string(file), [](Channel, std::span<const uint8_t>) {});
+    fuzz::demand(!found.complete() || found.run != 0, "a log without RUN is taken for a whole one");
   }
   close(file);
   return 0;

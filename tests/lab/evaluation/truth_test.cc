@@ -16,6 +16,7 @@
 #include "tests/support/paths.h"
 #include "wire/log/log_reader.h"
 #include "wire/log/log_writer.h"
+#include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
 
 namespace lab {
@@ -41,13 +42,23 @@ class Truth : public testing::Test {
   ~Truth() override { fs::remove_all(dir_); }
 
   std::string log() const { return dir_ + "/log.lcm"; }
-  /// Writes the log again with every message as `change` leaves it; what it says no to is left out.
+  /// Writes the log again with every message as `change` leaves it, and the digests of that; what it says no to is left out.
   void rewrite(const std::function<bool(Channel, Bytes&)>& change) {
     LogReader reader(log());
     LogWriter writer(dir_ + "/other.lcm");
+    StepRecord record;
     for (LogEvent event; reader.next(event);) {
+      const Channel channel = *channel_of(event.channel);
       Bytes bytes(event.data.begin(), event.data.end());
-      if (change(*channel_of(event.channel), bytes)) writer.add(event.utime, event.channel, bytes);
+      if (!change(channel, bytes)) continue;
+      if (channel == Channel::RobotState) {
+        auto state = decode<robot_state_t>(bytes);
+        if (state.step > 0) state.digest = record.digest();
+        bytes = encode(state);
+        record.clear(state.step);
+      }
+      record.store(channel, bytes, false);
+      writer.add(event.utime, event.channel, bytes);
     }
     writer.finish();
   }
