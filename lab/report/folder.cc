@@ -13,6 +13,7 @@
 #include "core/util/json_text.h"
 #include "core/util/number.h"
 #include "lab/experiment/experiment_yaml.h"
+#include "wire/log/checked_log.h"
 #include "wire/log/logged_messages.h"
 #include "wire/protocol/loop_bins.h"
 #include "wire/schema/codec.h"
@@ -36,7 +37,7 @@ std::string numbers(const std::vector<double>& values) {
 
 std::vector<Note> read_notes(const std::string& log, double dt) {
   std::vector<Note> notes;
-  for_each_message(log, [&](Channel channel, std::span<const uint8_t> data) {
+  read_checked(log, [&](Channel channel, std::span<const uint8_t> data) {
     if (channel == Channel::Event) {
       const auto event = decode<event_t>(data);
       notes.push_back(
@@ -129,7 +130,7 @@ std::vector<std::pair<std::string, std::string>> read_last_lines(const fs::path&
 
 Folder read_folder(const std::string& dir) {
   const fs::path root(dir);
-  const std::string log = root / "log.lcm";
+  const std::string log = find_log(dir);
   if (!fs::exists(root / "experiment.yaml") && !fs::exists(log))
     throw std::runtime_error(dir + ": is not a run folder (it has neither experiment.yaml nor log.lcm)");
   Folder out;
@@ -141,13 +142,14 @@ Folder read_folder(const std::string& dir) {
     if (!fs::exists(log))
       throw std::runtime_error(
           "there is no log.lcm: the run ended before its first step, or is still going on");
-    if (fs::file_size(log) == 0) throw std::runtime_error("log.lcm is empty");
+    if (fs::file_size(log) == 0) throw std::runtime_error(fs::path(log).filename().string() + " is empty");
     out.logged = read_run(log);
-    out.metrics = evaluate(out.logged->run, out.logged->experiment.expect);
+    out.metrics = evaluate_logged(*out.logged);
     out.notes = read_notes(log, out.logged->run.dt);
   } catch (const std::exception& error) {
     out.no_log = error.what();
-    if (out.no_log.starts_with(log + ": ")) out.no_log = "log.lcm: " + out.no_log.substr(log.size() + 2);
+    if (out.no_log.starts_with(log + ": "))
+      out.no_log = fs::path(log).filename().string() + out.no_log.substr(log.size());
     out.logged.reset();
   }
   const auto take_from_log = [&] {

@@ -248,6 +248,14 @@ json last_lines(const Folder& folder) {
   return out;
 }
 
+/// Null if nothing is wrong with the log.
+json damage(const Folder& folder) {
+  if (!folder.logged || folder.logged->log.sound()) return nullptr;
+  std::string places;
+  for (const std::string& line : lines_of(folder.logged->log, 20)) places += line + "\n";
+  return json{{"places", places}, {"has_steps", !folder.logged->run.states.empty()}};
+}
+
 }  // namespace
 
 json badge_of(const Folder& folder) {
@@ -259,6 +267,7 @@ json badge_of(const Folder& folder) {
   if (code == 130 || code == 143 || code == 129) return badge("stopped", false);
   if (code > 1) return badge("ended with exit " + std::to_string(code), false);
   if (!folder.logged) return badge("no log", false);
+  if (!folder.logged->log.sound()) return badge("damaged log", false);
   if (!folder.metrics["complete"].get<bool>()) return badge("incomplete", false);
   if (folder.metrics["verdicts"].empty()) return badge("complete", true);
   const bool passed = folder.metrics["passed"].get<bool>();
@@ -287,6 +296,7 @@ std::string run_page(const Folder& folder) {
               {"badge", badge_of(folder)},
               {"about", about(folder)},
               {"no_motion", no_motion(folder)},
+              {"damage", damage(folder)},
               {"incomplete", nullptr},
               {"last_lines", last_lines(folder)},
               {"motion", motion_values(folder)},

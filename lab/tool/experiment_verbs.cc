@@ -27,6 +27,20 @@ void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) std::cerr << warning << "\n";
 }
 
+/// Prints what is wrong with a log. False if its figures are not those of the whole run.
+bool print_findings(const LoggedRun& logged) {
+  for (const std::string& line : lines_of(logged.log))
+    std::cerr << "lab-experiment: " << logged.path << ": " << line << "\n";
+  return logged.whole();
+}
+
+/// The same for what a page is made of, which may have no log at all.
+bool print_findings(const report::Folder& folder) {
+  if (folder.logged) return print_findings(*folder.logged);
+  std::cerr << "lab-experiment: " << folder.name << ": " << folder.no_log << "\n";
+  return false;
+}
+
 }  // namespace
 
 int check_files(const Options& options) {
@@ -80,8 +94,9 @@ int list_processes(const Options& options) {
 }
 
 int evaluate_run(const Options& options) {
-  const LoggedRun logged = read_run(options.run_dir + "/log.lcm");
-  json all = evaluate(logged.run, logged.experiment.expect);
+  const LoggedRun logged = read_run(options.run_dir);
+  print_findings(logged);
+  json all = evaluate_logged(logged);
   all["experiment"] = logged.experiment.name;
   all["robot"] = logged.robot.model.name;
   all["run"] = hex(logged.id);
@@ -110,24 +125,31 @@ int write_manifest(Options options) {
 }
 
 int report_runs(const Options& options) {
+  int result = kOk;
   for (const std::string& dir : options.files) {
     const std::string path = dir + (dir.ends_with('/') ? "" : "/") + "report.html";
-    write_atomically(path, report::run_page(report::read_folder(dir)));
+    const report::Folder folder = report::read_folder(dir);
+    if (!print_findings(folder)) result = kCheckFailed;
+    write_atomically(path, report::run_page(folder));
     std::cout << path << "\n";
   }
-  return kOk;
+  return result;
 }
 
 int compare_runs(const Options& options) {
   std::vector<report::Folder> runs;
-  for (const std::string& dir : options.files) runs.push_back(report::read_folder(dir));
+  int result = kOk;
+  for (const std::string& dir : options.files) {
+    runs.push_back(report::read_folder(dir));
+    if (runs.back().logged && !print_findings(runs.back())) result = kCheckFailed;
+  }
   const report::Comparison all = report::compare(runs);
   if (!options.out.empty()) write_atomically(options.out, report::compare_page(all, runs));
   if (options.as_json)
     std::cout << json_text(compare_json(all), 2) << "\n";
   else
     std::cout << compare_text(all);
-  return kOk;
+  return result;
 }
 
 int list_keys(const Options&) {

@@ -15,7 +15,7 @@ teardown() { common_teardown; }
 make_run() { # NAME [EXIT_CODE]
   mkdir -p "$LAB_RUNS/$1"
   echo '# As run; made from a file.' >"$LAB_RUNS/$1/experiment.yaml"
-  [ $# -lt 2 ] || touch "$LAB_RUNS/$1/log.lcm"
+  [ $# -lt 2 ] || cp "$ROOT/tests/golden/log_without_checksums.lcm" "$LAB_RUNS/$1/log.lcm"
   [ $# -lt 2 ] || echo "{\"lcmlab\": \"0\", \"state\": \"ended\", \"files\": [\"experiment.yaml\", \"manifest.json\", \"log.lcm\"],
     \"exit_codes\": {\"run\": $2}, \"experiment\": \"$1\", \"last_step\": 7}" >"$LAB_RUNS/$1/manifest.json"
 }
@@ -42,6 +42,13 @@ make_runs() {
   grep -qE '^stopped +stopped ' <<<"$output"
   grep -qE '^killed +unfinished ' <<<"$output"
   grep -qE '^logless +no log ' <<<"$output"
+}
+
+@test "ls: a log that does not end with END is not ok" {
+  make_run cut 0
+  truncate -s -5 "$LAB_RUNS/cut/log.lcm"
+  run "$LAB" ls
+  grep -qE '^cut +cut log ' <<<"$output"
 }
 
 @test "ls --json is JSON, and a run that holds its lock is alive" {

@@ -139,8 +139,29 @@ def test_broken_runs_get_a_page(runs, tmp_path, what, words):
     else:
         log.write_bytes({"empty": b"", "cut": whole[:len(whole) * 2 // 3], "noise": b"\x00\x7f" * 5000}[what])
     done = call("report", folder)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 1 and done.stderr.startswith("lab-experiment: "), done
     assert words in checked(folder / "report.html").text
+
+
+@pytest.mark.parametrize("state", ["changed", "cut", "killed"])
+def test_who_reads_a_damaged_log_says_so_and_fails(runs, tmp_path, state):
+    folder = tmp_path / "run"
+    shutil.copytree(runs / "pd", folder)
+    log = folder / "log.lcm"
+    whole = bytearray(log.read_bytes())
+    if state == "changed":
+        whole[len(whole) // 2] ^= 4
+    log.write_bytes(whole if state == "changed" else whole[:len(whole) * 2 // 3])
+    if state == "killed":
+        log.rename(folder / "log.lcm.part")
+    words = "digest|is not whole|no event" if state == "changed" else "there is no END"
+    for verb in (["report", folder], ["compare", folder, runs / "pd"],
+                 ["render", folder, "--times", "0", "--size", "64x48", "-o", tmp_path / "pictures"]):
+        done = call(*verb)
+        assert done.returncode == 1 and re.search(words, done.stderr), (verb, done)
+    page = checked(folder / "report.html").text
+    assert ("The log is damaged" in page) == (state == "changed") and "Motion" in page
+    assert (tmp_path / "pictures" / "0000.png").exists() or list((tmp_path / "pictures").glob("*.png"))
 
 
 def test_the_last_lines_of_a_process_that_died_are_shown(tmp_path):
