@@ -13,6 +13,7 @@
 #include "procs/renderer/logged.h"
 #include "procs/renderer/video.h"
 #include "procs/renderer/workers.h"
+#include "wire/log/checked_log.h"
 #include "wire/protocol/role.h"
 
 namespace lab::renderer {
@@ -252,6 +253,8 @@ int render_log(const FromLog& job) {
   if (!job.folder.empty()) check_folder(job.folder);
   const std::string path = find_log(job.source);
   const Logged logged = survey(path);
+  for (const std::string& line : lines_of(logged.log))
+    fmt::print(stderr, "lab-renderer: {}: {}\n", path, line);
   std::string meshes;
   const Experiment experiment = experiment_of(job, logged, path, meshes);
   const Robot robot =
@@ -274,7 +277,7 @@ int render_log(const FromLog& job) {
     fmt::print("{}\n", job.video);
   }
   draw_overviews(job.folder, run, moments_of(read, plan.cells), plan.ghosts, {{"run", id}});
-  return kOk;
+  return logged.log.complete() || (logged.log.sound() && is_being_written(path)) ? kOk : kCheckFailed;
 }
 
 }  // namespace lab::renderer

@@ -1,32 +1,21 @@
 #include "procs/renderer/logged.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <lab/input_t.hpp>
 #include <lab/reference_t.hpp>
 #include <lab/robot_state_t.hpp>
 
 #include "lab/experiment/experiment.h"
-#include "wire/log/log_writer.h"
-#include "wire/log/logged_messages.h"
+#include "wire/log/checked_log.h"
 #include "wire/protocol/convert.h"
 #include "wire/protocol/step_record.h"
 #include "wire/schema/codec.h"
 
 namespace lab::renderer {
 
-namespace fs = std::filesystem;
-
-std::string find_log(const std::string& source) {
-  if (!fs::is_directory(source)) return source;
-  std::string log = source + "/log.lcm";
-  if (!fs::exists(log) && fs::exists(part_name(log))) return part_name(log);
-  return log;
-}
-
 Logged survey(const std::string& path) {
   Logged logged;
-  for_each_message(path, [&](Channel channel, std::span<const uint8_t> data) {
+  logged.log = read_checked(path, [&](Channel channel, std::span<const uint8_t> data) {
     if (channel == Channel::Run) logged.run = decode<run_t>(data);
     if (channel == Channel::RobotState) logged.steps.push_back(peek_step(data));
     if (channel != Channel::Input) return;
@@ -48,7 +37,7 @@ Logged survey(const std::string& path) {
 std::map<int64_t, Snapshot> read_snapshots(const std::string& path, const std::vector<int64_t>& steps,
                                            double dt) {
   std::map<int64_t, Snapshot> snapshots;
-  for_each_message(path, [&](Channel channel, std::span<const uint8_t> data) {
+  read_checked(path, [&](Channel channel, std::span<const uint8_t> data) {
     if ((channel != Channel::RobotState && channel != Channel::Reference) ||
         !std::binary_search(steps.begin(), steps.end(), peek_step(data)))
       return;

@@ -7,16 +7,15 @@
 #include <vector>
 
 #include "procs/renderer/snapshot.h"
+#include "wire/log/findings.h"
 
 namespace lab::renderer {
-
-/// log.lcm of a run folder, or the unfinished one; any other path as it is.
-std::string find_log(const std::string& source);
 
 struct Logged {
   run_t run{};
   std::vector<int64_t> steps;  ///< those with a state, increasing
   std::vector<Push> pushes;    ///< by request, not planned
+  LogFindings log;             ///< what is wrong with the log
 };
 /// Throws ExperimentError if there is no RUN or no state.
 Logged survey(const std::string& path);
