@@ -60,8 +60,8 @@ class Folder : public testing::Test {
       log.add(state.utime, "REFERENCE", encode(reference));
     }
     end_t end{};
-    end.run = 77, end.step = run.states.back().step;
-    if (!cut) log.add(step_utime(end.step, run.dt), "END", encode(end));
+    end.run = 77, end.step = run.states.back().step, end.utime = step_utime(end.step, run.dt);
+    if (!cut) log.add(end.utime, "END", encode(end));
     log.finish();
   }
 
