@@ -21,7 +21,33 @@ if [ -d "$LAB_ROBOTS/example-robot-data" ]; then
 fi
 
 verb=$(basename "$0")
-verb=${verb/#lab-/lab }
+case $verb in
+  lab-*)
+    verb=${verb/#lab-/lab }
+    export LAB_VERB=$verb # the programs that a verb calls begin their messages with it, too
+    ;;
+esac
+
+# Words as verbs take them: --option=value is --option value, up to a -- or the command of exec. (This file shares the
+# arguments of what sources it.)
+as_json=''
+if [[ $verb == 'lab '* ]]; then
+  words=()
+  while [ $# -gt 0 ]; do
+    case $1 in
+      --) break ;;
+      --json) words+=("$1")
+        [ -n "$as_json" ] || { as_json=1 && exec {json_out}>&1; } ;; # die writes there, from within $(..) too
+      --[a-z]*=*) words+=("${1%%=*}" "${1#*=}") ;;
+      -*) words+=("$1") ;;
+      *) [ "$verb" != 'lab exec' ] || [ "${words[*]: -1}" = --lab ] || break
+        words+=("$1") ;;
+    esac
+    shift
+  done
+  set -- "${words[@]}" "$@"
+  unset words
+fi
 
 bold='' red='' green='' dim='' plain=''
 if [ -t 2 ] && [ -z "${NO_COLOR:-}" ] && [ "${TERM:-dumb}" != dumb ]; then
@@ -32,9 +58,15 @@ fi
 # Messages go to stderr: stdout is for data.
 say() { printf '%s\n' "$*" >&2; }
 
-# die CODE WORDS..: prints one line on stderr and exits with CODE.
+# die CODE WORDS..: prints one line on stderr, under --json also {"error": .., "exit_code": ..} on stdout, and exits with CODE.
 die() {
-  printf '%s: %s%s%s\n' "$verb" "$red" "${*:2}" "$plain" >&2
+  local text=${*:2}
+  printf '%s: %s%s%s\n' "$verb" "$red" "$text" "$plain" >&2
+  if [ -n "$as_json" ]; then
+    text=${text//\\/\\\\}
+    text=${text//\"/\\\"}
+    printf '{"error":"%s","exit_code":%d}\n' "${text//[[:cntrl:]]/ }" "$1" >&"$json_out"
+  fi
   exit "$1"
 }
 
@@ -44,8 +76,23 @@ help() { sed -n '2,${/^#/!q; s/^# \{0,1\}//p}' "$0"; }
 # usage_error WORDS..: exits with 2 and points to --help.
 usage_error() { die 2 "$* (see: scripts/$verb --help)"; }
 
+# unknown_option WORD: exits with 2 and the near names among the options in the verb's help.
+unknown_option() {
+  local known near
+  known=$(help | grep -oE -- '(^|[ [|])--?[a-z][a-z-]*' | tr -d ' [|' | sort -u)
+  # shellcheck disable=SC2086  # one word an option
+  near=$(near_names "$1" $known)
+  usage_error "unknown option '$1'${near:+, did you mean: $near?}"
+}
+
 # need_value OPTION COUNT: exits with 2 when no argument follows the option.
 need_value() { [ "$2" -ge 2 ] || usage_error "$1 needs a value"; }
+
+# need_seconds OPTION VALUE: exits with 2 unless the value is a number of seconds.
+need_seconds() {
+  [[ $2 =~ ^[0-9]+,[0-9]+$ ]] && usage_error "$1 is '$2', a decimal comma: write ${2/,/.}"
+  [[ $2 =~ ^([0-9]+(\.[0-9]*)?|\.[0-9]+)$ ]] || usage_error "$1 is '$2', not a number of seconds"
+}
 
 # need_programs NAME..: exits with 2, and says how to build them, when one of them is not built.
 need_programs() {
@@ -179,6 +226,9 @@ find_experiment() {
     [ ! -f "$file" ] || { echo "$file" && return; }
   done
   [ ! -e "$1" ] || die 3 "$1 is not an experiment file"
+  if [ -f "$LAB_ROOT/experiments/sweeps/${1%.yaml}.yaml" ]; then
+    die 3 "$1 is a sweep, not an experiment: run it with scripts/lab sweep $1"
+  fi
   names=("$LAB_ROOT"/experiments/*.yaml)
   names=("${names[@]##*/}")
   file=${1##*/}

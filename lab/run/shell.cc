@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/util/command_line.h"
 #include "lab/experiment/experiment.h"
 #include "lab/run/run.h"
 
@@ -13,14 +14,11 @@ int guarded_main(const std::string& program, const std::function<int()>& work) {
   try {
     return work();
   } catch (const ExperimentError& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
-    return kBadConfig;
+    return refuse(program, error.what(), kBadConfig);
   } catch (const BusError& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
-    return kTransport;
+    return refuse(program, error.what(), kTransport);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
-    return kCheckFailed;
+    return refuse(program, error.what(), kCheckFailed);
   }
 }
 
@@ -46,11 +44,7 @@ int follower_main(int argc, char** argv, const std::string& name,
   app.add_option("--deadline", deadline, "s without a message from the simulator that end the process")
       ->check(CLI::PositiveNumber);
   app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kOk : kUsage;
-  }
+  if (const auto code = parse_command_line(app, argc, argv)) return *code;
   return guarded_main("lab-" + name, [&] {
     Participant participant(options);
     FollowerConfig config;

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "core/util/command_line.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/run/shell.h"
 #include "procs/logger/log_files.h"
@@ -27,11 +28,7 @@ int main(int argc, char** argv) {
                  "the one before (0: no limit, as for every run in lockstep)")
       ->envname("LAB_QUOTA_MB")
       ->check(CLI::Range(0.0, 1e9));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
-  }
+  if (const auto code = lab::parse_command_line(app, argc, argv)) return *code;
   return lab::guarded_main("lab-logger", [&] {
     lab::logger::LogFiles files(run_dir, static_cast<uint64_t>(quota * 1e6));
     lab::Participant participant(options);

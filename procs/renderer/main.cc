@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "core/util/command_line.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/run/shell.h"
 #include "procs/renderer/from_log.h"
@@ -111,13 +112,11 @@ int main(int argc, char** argv) {
   const LogOptions options = add_outputs(app, job);
   options.source->excludes(live);
   add_appearance(app, job, options.source);
-  try {
-    app.parse(argc, argv);
+  app.final_callback([&] {
     if (run_dir.empty() && job.source.empty()) throw CLI::RequiredError("--run-dir, or a log");
     check_together(job, options);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
-  }
+  });
+  if (const auto code = lab::parse_command_line(app, argc, argv)) return *code;
   return lab::guarded_main("lab-renderer", [&] {
     if (!job.source.empty()) return lab::renderer::render_log(job);
     const lab::Experiment experiment = lab::load_experiment(run_dir + "/experiment.yaml");

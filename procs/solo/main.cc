@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/util/command_line.h"
 #include "core/util/interrupt.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/run/shell.h"
@@ -19,11 +20,7 @@ int main(int argc, char** argv) {
   app.add_option("experiment", experiment_file, "YAML file")->required();
   app.add_option("--run-dir", run_dir, "folder that log.lcm goes to")->required();
   app.add_option("--set", overrides, "key=value over the file")->allow_extra_args(false);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
-  }
+  if (const auto code = lab::parse_command_line(app, argc, argv)) return *code;
   return lab::guarded_main("lab-solo", [&] {
     lab::install_signal_handlers();
     const lab::Experiment experiment = lab::load_experiment(experiment_file, overrides);
@@ -35,7 +32,7 @@ int main(int argc, char** argv) {
     lab::logger::LogFiles files(run_dir);
     const lab::Outcome outcome =
         lab::solo::run(experiment, robot, files, [](int64_t) { return !lab::interrupted; });
-    if (!outcome.reason.empty()) fmt::print(stderr, "lab-solo: {}\n", outcome.reason);
+    if (!outcome.reason.empty()) lab::complain("lab-solo", outcome.reason);
     return outcome.exit_code != lab::kOk ? outcome.exit_code
            : lab::interrupted            ? 128 + lab::interrupted
                                          : lab::kOk;

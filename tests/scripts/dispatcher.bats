@@ -1,5 +1,6 @@
 #!/usr/bin/env bats
 # The one entry: verbs, help, near names; and rules that hold for every script.
+bats_require_minimum_version 1.5.0
 load common
 setup() { common_setup; }
 
@@ -35,6 +36,35 @@ verbs() { for f in "$ROOT"/scripts/lab-*; do echo "${f##*/lab-}"; done; }
   [[ $output == *"did you mean: run"* ]]
   run "$LAB" ../../bin/true
   [ "$status" -eq 2 ]
+}
+
+@test "help VERB is VERB --help, --version names version and commit" {
+  [ "$("$LAB" help run)" = "$("$LAB" run --help)" ]
+  run "$LAB" help rnu
+  [ "$status" -eq 2 ]
+  [[ $output == "lab: there is no verb 'rnu', did you mean: run?"* ]]
+  run "$LAB" --version
+  [ "$status" -eq 0 ]
+  [[ $output =~ ^lab\ [0-9.]+\ \(commit\ [0-9a-z-]+ ]]
+}
+
+@test "--option=value is --option value in every verb, but not behind --" {
+  run "$LAB" run cubic_pd --timeout=0,5
+  [ "$status" -eq 2 ]
+  [[ $output == "lab run: --timeout is '0,5', a decimal comma: write 0.5 (see: scripts/lab run --help)" ]]
+  run bash -c ". '$ROOT/scripts/lib.sh'; printf '[%s]' \"\$@\"" "$ROOT/scripts/lab-x" --a=b=c '--d=' --json e=f -g=h -- --i=j
+  [ "$output" = '[--a][b=c][--d][][--json][e=f][-g=h][--][--i=j]' ]
+  run bash -c ". '$ROOT/scripts/lib.sh'; printf '[%s]' \"\$@\"" "$ROOT/scripts/lab-exec" --lab=x prog --i=j
+  [ "$output" = '[--lab][x][prog][--i=j]' ]
+}
+
+@test "an unknown option is answered with near ones, a refusal under --json with JSON on stdout" {
+  run "$LAB" run --tiemout 3 cubic_pd
+  [ "$status" -eq 2 ]
+  [ "$output" = "lab run: unknown option '--tiemout', did you mean: --timeout? (see: scripts/lab run --help)" ]
+  run --separate-stderr "$LAB" run --json 'no"such'
+  [ "$status" -eq 3 ]
+  python3 -c 'import json, sys; x = json.loads(sys.argv[1]); assert x["exit_code"] == 3 and "no\"such" in x["error"], x' "$output"
 }
 
 @test "works from anywhere and through a link" {
