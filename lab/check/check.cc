@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/util/number.h"
+#include "lab/check/unused.h"
 #include "lab/evaluation/evaluate.h"
 #include "lab/experiment/joints.h"
 #include "procs/controller/controller.h"
@@ -182,12 +183,13 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   const bool ours = !e.processes.contains("controller");
   const controller::Config control = ours ? controller::make_config(e, model) : controller::Config();
   check_processes(e);
+  check_unused(e);
   check_expect(e, model);
   check_evaluation(e, model);
   if (!e.renderer.trace.empty()) named_frame(e, "renderer.trace", e.renderer.trace, model);
   if (!e.renderer.follow.empty()) named_frame(e, "renderer.follow", e.renderer.follow, model);
 
-  std::vector<std::string> warnings = robot.warnings;
+  std::vector<std::string> warnings;
   for (int i = 0; i < model.nv; ++i)
     if (model.upperEffortLimit[i] == 0 && model.lowerEffortLimit[i] == 0)
       warnings.push_back(
@@ -202,6 +204,11 @@ std::vector<std::string> check(const Experiment& e, const Robot& robot) {
   check_disturbances(e, plant, warnings);
   check_motion(e, plan, model, warnings);
   check_stability(e, plant, plan, ours ? &control : nullptr, model, warnings);
+  // the robot's own come last, and of these what is only missing in pictures
+  warnings.insert(warnings.end(), robot.warnings.begin(), robot.warnings.end());
+  std::stable_partition(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning.find(": mesh '") == std::string::npos;
+  });
   return warnings;
 }
 

@@ -74,6 +74,7 @@ std::string gain_fault(const rbd::Model& model, const Action& action) {
   if (std::find(keys.begin(), keys.end(), action.key) == keys.end())
     return "the controller has no '" + action.key + "' to set" + did_you_mean(action.key, keys) +
            " (it has " + list_of(keys) + ")";
+  if (!action.text.empty()) return action.key + " is '" + action.text + "', must be a number";
   const LiveGains types;
   std::string counts;
   for_each_gain(

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "lab/check/unused.h"
 #include "lab/evaluation/evaluate.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/experiment/hash.h"
@@ -54,9 +55,13 @@ void Workbench::check() {
       samples.push_back(samples.front());
       samples.back()[sweep_.set.size() + i].text = sweep_.grid[i].key + "=" + value;
     }
+  std::set<std::string> varies;  // sections whose kind does
+  for (const std::string& key : sweep_.keys())
+    if (key.ends_with(".kind")) varies.insert(key.substr(0, key.find('.')));
   for (const std::vector<Override>& sample : samples) {
     const Job job = prepare(sample);
     const rbd::Model& model = job.robot->model;
+    check_unused(job.experiment, varies);
     simulator::make_config(job.experiment, model);
     planner::make_config(job.experiment, model);
     controller::make_config(job.experiment, model);

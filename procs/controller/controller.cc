@@ -2,9 +2,11 @@
 
 #include <rbd/algorithm/configuration.h>
 
+#include <algorithm>
 #include <exception>
 #include <limits>
 
+#include "core/util/words.h"
 #include "lab/experiment/actions.h"
 #include "lab/experiment/joints.h"
 #include "lab/experiment/live_gains.h"
@@ -24,6 +26,20 @@ const Kind& find_kind(const Experiment& e, std::span<const Kind> more) {
 }
 
 }  // namespace
+
+std::vector<std::string> gains_of(const std::string& name) {
+  std::vector<std::string> gains = gain_keys();
+  for (const Kind& kind : kinds())
+    if (kind.name == name && kind.keys)
+      std::erase_if(gains, [&](const std::string& gain) { return !lists(kind.keys, gain); });
+  return gains;
+}
+
+std::string unused_gain(const std::string& kind, const std::string& gain) {
+  const std::vector<std::string> used = gains_of(kind);
+  if (std::find(used.begin(), used.end(), gain) != used.end()) return "";
+  return kind + " does not use " + gain + (used.empty() ? "; it has no gains" : "; it has " + list_of(used));
+}
 
 Config make_config(const Experiment& e, const rbd::Model& model, std::span<const Kind> more) {
   Config config;

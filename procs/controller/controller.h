@@ -28,10 +28,17 @@ struct Kind {
   const char* what;  ///< the formula
   Law law;
   Prepare prepare = nullptr;  ///< may be null
+  /// The gains and other keys of its own that it reads, without "controller.", blanks between; null: not known.
+  const char* keys = nullptr;
 };
 
 /// The table of laws.cc: none, pd, ..
 std::span<const Kind> kinds();
+
+/// The gains that a kind reads: those of its row, all of them for a kind that kinds() does not have.
+std::vector<std::string> gains_of(const std::string& kind);
+/// Why a kind has no use for a gain; empty if it reads it.
+std::string unused_gain(const std::string& kind, const std::string& gain);
 
 /// What `set controller KEY=..` can change while it runs: lab/experiment/gains.h lists them, live_gains.h changes them.
 using Gains = LiveGains;

@@ -158,18 +158,18 @@ void prepare_com(const Experiment& e, Config& c) {
 }
 
 constexpr Kind kKinds[] = {
-    {"none", "tau = 0", none},
-    {"pd", "tau = kp e + kd e'", pd},
-    {"pd_gravity", "tau = kp e + kd e' + g(q)", pd_gravity},
-    {"computed_torque", "tau = M(q) (a_ref + kp e + kd e') + nle(q, v)", computed_torque},
+    {"none", "tau = 0", none, nullptr, ""},
+    {"pd", "tau = kp e + kd e'", pd, nullptr, "kp kd"},
+    {"pd_gravity", "tau = kp e + kd e' + g(q)", pd_gravity, nullptr, "kp kd"},
+    {"computed_torque", "tau = M(q) (a_ref + kp e + kd e') + nle(q, v)", computed_torque, nullptr, "kp kd"},
     {"cartesian_impedance",
      "tau = J^T (stiffness dx + damping dx') + nle(q, v) + (1 - J^T (J M^-1 J^T)^-1 J M^-1) (kp e + kd e')",
-     cartesian_impedance, prepare_impedance},
+     cartesian_impedance, prepare_impedance, "kp kd frame stiffness damping"},
     {"com_velocity",
      "tau = M(q) (a_ref + kd (v_d - v)) + nle(q, v), v_d = u + Jcom^+ (com'_ref + com_gain (com_ref - com) - "
      "Jcom u), "
      "u = v_ref + kp e",
-     com_velocity, prepare_com},
+     com_velocity, prepare_com, "kp kd com_gain"},
 };
 
 }  // namespace

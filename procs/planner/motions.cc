@@ -161,15 +161,18 @@ struct PointToPoint : Motion {
 
 constexpr const char* kLonger = "give planner.duration more time, or 0 to take the shortest";
 constexpr Kind kKinds[] = {
-    {"hold", "stays at q0", make<Hold>, ""},
-    {"cubic", "from rest at q0 to rest at the goal", make<Cubic>, kLonger},
-    {"quintic", "the same, without a jump of the acceleration", make<Quintic>, kLonger},
-    {"sinusoid", "every joint swings", make<Sinusoid>, "lower planner.amplitude or planner.frequency"},
-    {"point_to_point", "from target to target, with a rest at each", make<PointToPoint>, ""},
+    {"hold", "stays at q0", make<Hold>, "", ""},
+    {"cubic", "from rest at q0 to rest at the goal", make<Cubic>, kLonger, "goal duration"},
+    {"quintic", "the same, without a jump of the acceleration", make<Quintic>, kLonger, "goal duration"},
+    {"sinusoid", "every joint swings", make<Sinusoid>, "lower planner.amplitude or planner.frequency",
+     "offset amplitude frequency phase"},
+    {"point_to_point", "from target to target, with a rest at each", make<PointToPoint>, "",
+     "targets dwell cycle"},
     {"waypoints", "through targets without a rest", make_waypoints,
-     "give planner.times more time, or leave them out"},
-    {"line", "a frame along a straight line", make_line, kLonger},
-    {"circle", "a frame round an axis", make_circle, kLonger},
+     "give planner.times more time, or leave them out", "targets times"},
+    {"line", "a frame along a straight line", make_line, kLonger, "frame to duration keep_orientation"},
+    {"circle", "a frame round an axis", make_circle, kLonger,
+     "frame center normal turns duration keep_orientation"},
 };
 
 const Kind& find_kind(const Experiment& e) {

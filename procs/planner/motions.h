@@ -37,6 +37,8 @@ struct Kind {
   std::unique_ptr<Motion> (*make)(const Experiment&, const Config&);
   /// Advice in the warning when it exceeds the joints' speed limits; empty for kinds that never do.
   const char* cure;
+  /// The keys of its own that it reads, without "planner.", blanks between.
+  const char* keys;
 };
 
 /// hold, cubic, quintic, sinusoid, point_to_point, waypoints, line, circle.
