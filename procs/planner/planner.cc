@@ -7,6 +7,7 @@
 #include "core/util/number.h"
 #include "lab/experiment/actions.h"
 #include "lab/experiment/cartesian.h"
+#include "lab/experiment/joints.h"
 
 namespace lab::planner {
 namespace {
@@ -67,16 +68,21 @@ void resume(const Config& c, State& s, int64_t step, double t, const Eigen::Vect
   if (distance < 1e-9 && speed < 1e-9) s.ramp = 0;  // it starts from rest anyway
 }
 
-/// True if the detour, which is `length` s long, stays inside the speed and position limits.
-bool possible(const Config& c, const State& s, double length, Reference& scratch) {
+/// Why the detour, which is `length` s long, leaves the limits of speed or position; empty if it does not.
+std::string detour_fault(const Config& c, const State& s, double length, Reference& scratch) {
   for (int k = 0; k <= 100; ++k) {
     motion(c, s, length * k / 100, scratch);
-    for (Eigen::Index i = 0; i < scratch.q.size(); ++i)
-      if (std::abs(scratch.v[i]) > c.v_max[i] * (1 + 1e-9) || scratch.q[i] < c.q_min[i] - 1e-9 ||
-          scratch.q[i] > c.q_max[i] + 1e-9)
-        return false;
+    for (Eigen::Index i = 0; i < scratch.q.size(); ++i) {
+      const bool fast = std::abs(scratch.v[i]) > c.v_max[i] * (1 + 1e-9);
+      if (!fast && scratch.q[i] >= c.q_min[i] - 1e-9 && scratch.q[i] <= c.q_max[i] + 1e-9) continue;
+      return "the way there in " + rounded(length) + " s would leave the limits of joint '" +
+             joint_at(c.model, static_cast<int>(i)) + "': " +
+             (fast ? "speed " + rounded(std::abs(scratch.v[i])) + ", at most " + number(c.v_max[i])
+                   : "position " + rounded(scratch.q[i]) + ", " + number(c.q_min[i]) + " .. " +
+                         number(c.q_max[i]));
+    }
   }
-  return true;
+  return "";
 }
 
 /// The time of config's own motion at a step; on a detour the one at which it was left.
@@ -99,17 +105,23 @@ std::string divert(const Config& c, State& s, int64_t step, double T, bool may_b
   scratch.q.resize(c.q0.size());
   scratch.v.resize(c.nv);
   scratch.a.resize(c.nv);
+  std::string fault;
   for (int attempt = 0; attempt < (may_be_slower ? 12 : 1); ++attempt, T *= 1.25) {
     const Detour& detour = next.detour.emplace(make(T));
-    if (!possible(c, next, detour.path.length, scratch)) continue;
+    if (std::string why = detour_fault(c, next, detour.path.length, scratch); !why.empty()) {
+      if (fault.empty()) fault = std::move(why);
+      continue;
+    }
     s = std::move(next);
     return "";
   }
-  return "the way there in " + number(T) + " s would leave the joints' limits of position or speed";
+  return fault;
 }
 
-/// Takes a goal; empty, or why not.
-std::string take_goal(const Config& c, State& s, const Action& action, int64_t step, const Reference& from) {
+/// Takes a goal; empty, or why not. Unless it must be `exactly` in the time that was asked for, a goal that is not possible in
+/// that time takes the shortest.
+std::string take_goal(const Config& c, State& s, const Action& action, int64_t step, const Reference& from,
+                      bool exactly) {
   if (c.floating) return "a floating robot takes no goals";
   const double asked = action.key == "duration" ? std::strtod(action.text.c_str(), nullptr) : 0;
   Reference to = from;
@@ -122,9 +134,11 @@ std::string take_goal(const Config& c, State& s, const Action& action, int64_t s
   } else {
     return "has " + std::to_string(action.values.size()) + " values, expected " + std::to_string(c.q0.size());
   }
-  const double T = asked > 0 ? asked : quintic_time(c, from.q, to.q);
-  return divert(c, s, step, T, !(asked > 0),
-                [&](double duration) { return Detour{quintic(0, duration, from, to), {}}; });
+  const auto way = [&](double duration) { return Detour{quintic(0, duration, from, to), {}}; };
+  std::string fault = asked > 0 ? divert(c, s, step, asked, false, way) : "";
+  if (asked > 0 && (fault.empty() || exactly)) return fault;
+  const std::string none = divert(c, s, step, quintic_time(c, from.q, to.q), true, way);
+  return none.empty() || asked <= 0 ? none : fault;
 }
 
 /// Back to the motion that a goal has replaced; empty, or why not.
@@ -143,6 +157,17 @@ std::string rejoin(const Config& c, State& s, const Action& action, int64_t step
 }
 
 }  // namespace
+
+std::string goal_fault(const Config& config, const Action& goal, const Reference& from) {
+  State rest = initial(config);
+  std::string fault = take_goal(config, rest, goal, from.step, from, true);
+  if (fault.empty() || goal.key != "duration") return fault;
+  Action unhurried = goal;
+  unhurried.key.clear();
+  if (take_goal(config, rest, unhurried, from.step, from, false).empty())
+    fault += "; " + number(std::ceil(1000 * rest.detour->path.length) / 1000) + " s would do";
+  return fault;
+}
 
 Output step(const Config& config, State& state, const Input& input) {
   Output output;
@@ -172,7 +197,7 @@ Output step(const Config& config, State& state, const Input& input) {
   for (const Action& action : input.actions) {
     if (!is_for(action, "planner")) continue;
     std::string why_not = "the planner has no such action";
-    if (action.verb == "goal") why_not = take_goal(config, state, action, input.step, reference);
+    if (action.verb == "goal") why_not = take_goal(config, state, action, input.step, reference, false);
     if (action.verb == "set") why_not = rejoin(config, state, action, input.step, reference);
     if (!why_not.empty())
       output.events.push_back(ignored(action, "planner", why_not));

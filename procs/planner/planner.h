@@ -5,6 +5,7 @@
 #pragma once
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "procs/planner/motions.h"
@@ -42,6 +43,10 @@ struct Output {
   Reference reference;
   std::vector<Event> events;
 };
+
+/// Why a goal cannot be taken from this reference in the time that it asks for; empty if it can. Asked before a goal is
+/// accepted. step() takes what was accepted even if the reference has moved on since: if need be, in another time.
+std::string goal_fault(const Config&, const Action& goal, const Reference& from);
 
 /// The reference for input.step; steps increase, gaps are allowed. Takes `goal` (nq values, or a frame and its target pose:
 /// cartesian.h; key "duration": seconds, 0 or none = shortest within the fraction `speed`), `set` planner

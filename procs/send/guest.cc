@@ -20,8 +20,10 @@ Guest::Guest(const Options& options)
       until_(monotonic_now() + static_cast<Micros>(options.timeout * 1e6)),
       record_(options.run_dir) {
   BusOptions bus;
-  for (Channel channel : {Channel::Reply, Channel::Run, Channel::Reference})
-    bus.channels.push_back(wire_name(channel, options.prefix));
+  std::vector<Channel> channels{Channel::Reply, Channel::Run, Channel::Reference};
+  if (options.follow)
+    channels.insert(channels.end(), {Channel::RobotState, Channel::Input, Channel::Event, Channel::End});
+  for (Channel channel : channels) bus.channels.push_back(wire_name(channel, options.prefix));
   bus_ = open_bus(options.url, bus);
   if (!options.run.empty()) bind(static_cast<int64_t>(std::stoull(options.run, nullptr, 16)));
 }
@@ -37,16 +39,33 @@ bool Guest::ask(Channel channel, const Bytes& message, const Take& take, Micros 
       next = now + kRepeat;
       bus_->publish(wire_name(channel, options_.prefix), message);
     }
-    bus_->poll(
-        std::min(next, until) - now,
-        [&](const Datagram& datagram) {
-          const auto received = channel_of(datagram.channel, options_.prefix);
-          if (!accepted && received && guard_.check(*received, datagram.data) &&
-              is_of_the_lab(*received, datagram.sender))
-            accepted = take(*received, datagram.data);
-        },
-        kNoSpin);
+    poll(std::min(next, until) - now, take, accepted);
   }
+  return accepted;
+}
+
+bool Guest::poll(Micros span, const Take& take, bool& accepted) {
+  bool heard = false;
+  bus_->poll(
+      span,
+      [&](const Datagram& datagram) {
+        const auto received = channel_of(datagram.channel, options_.prefix);
+        if (accepted || !received || !guard_.check(*received, datagram.data) ||
+            !is_of_the_lab(*received, datagram.sender))
+          return;
+        heard = true;
+        accepted = take(*received, datagram.data);
+      },
+      kNoSpin);
+  return heard;
+}
+
+bool Guest::listen(const Take& take, Micros silence, Micros until) {
+  bool accepted = false;
+  Micros heard = monotonic_now();
+  for (Micros now = heard; !accepted && !interrupted && now < std::min(heard + silence, until);
+       now = monotonic_now())
+    if (poll(std::min({heard + silence, until, now + kRepeat}) - now, take, accepted)) heard = now;
   return accepted;
 }
 
@@ -85,7 +104,8 @@ bool Guest::bind_to_run() {
 bool Guest::is_of_the_lab(Channel channel, uint64_t sender) {
   if (of_the_lab_.contains({channel, sender})) return true;
   const bool is = record_.check(kSimulator, sender) != Claim::Stranger ||
-                  (channel == Channel::Reference && record_.check(kPlanner, sender) != Claim::Stranger);
+                  ((channel == Channel::Reference || channel == Channel::Event) &&
+                   record_.check(kPlanner, sender) != Claim::Stranger);
   if (is) of_the_lab_.insert({channel, sender});
   return is;
 }

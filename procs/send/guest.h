@@ -25,7 +25,9 @@ struct Options {
   std::string run;      ///< hexadecimal; empty = the one that answers
   std::string run_dir;  ///< the lab's folder, whose record tells its simulator from others; empty = not known
   double timeout = 5;   ///< s, of all waiting together
+  double wait_seconds = 0;  ///< s to wait at most until a goal is reached; 0 = as long as it takes
   bool as_json = false;
+  bool follow = false;  ///< receives what the run publishes, too
 };
 
 class Guest {
@@ -43,6 +45,9 @@ class Guest {
   /// Sends `message` every 100 ms until `take` accepts a received message; false on timeout, and after `longest` us.
   bool ask(Channel channel, const Bytes& message, const Take& take, Micros longest = kForever);
 
+  /// Receives until `take` accepts a message; false when nothing has come for `silence` us, or at the time `until`.
+  bool listen(const Take& take, Micros silence, Micros until);
+
   /// A NEED that the simulator answers with RUN and what has happened so far.
   Bytes ask_for_run() const;
 
@@ -50,6 +55,8 @@ class Guest {
   static constexpr Micros kForever = 1'000'000'000'000;
   static constexpr Micros kOthersAnswerIn = 30'000;
 
+  /// Polls once. Returns true if a message of the lab came.
+  bool poll(Micros span, const Take& take, bool& accepted);
   bool is_of_the_lab(Channel channel, uint64_t sender);
   void bind(int64_t run) { guard_.set_run(run_ = run); }
 

@@ -4,15 +4,23 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <lab/end_t.hpp>
+#include <lab/event_t.hpp>
+#include <lab/input_t.hpp>
 #include <lab/reference_t.hpp>
 #include <lab/request_t.hpp>
+#include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/util/command_line.h"
 #include "core/util/json_text.h"
 #include "lab/run/run.h"
 #include "lab/run/shell.h"
+#include "procs/send/arrival.h"
 #include "procs/send/guest.h"
 #include "procs/send/send.h"
 #include "wire/process/participant.h"
@@ -21,6 +29,8 @@
 
 namespace lab::send {
 namespace {
+
+using nlohmann::ordered_json;
 
 std::string sender() {
   char host[256] = {};
@@ -55,50 +65,6 @@ bool read_run_and_reference(Guest& guest, run_t& known, std::vector<double>& cur
   });
 }
 
-int request(Guest& guest, const Options& options, const Action& action) {
-  request_t message{};
-  message.run = guest.run();
-  message.step = -1;
-  message.utime = wall_now();
-  message.sender = sender();
-  message.id = 1;
-  message.action = to_message(action);
-  std::optional<reply_t> reply;
-  guest.ask(Channel::Request, encode(message), [&](Channel channel, std::span<const uint8_t> bytes) {
-    if (channel != Channel::Reply) return false;
-    auto answer = decode<reply_t>(bytes);
-    if (answer.sender != message.sender || answer.id != message.id) return false;
-    reply = std::move(answer);
-    return true;
-  });
-  if (interrupted) return 128 + interrupted;
-  if (!reply) {
-    if (options.as_json)
-      fmt::print("{}\n", json_text(nlohmann::ordered_json{{"verb", action.verb}, {"confirmed", false}}));
-    fmt::print(stderr, "lab-send: {} unconfirmed: no answer in {:g} s; see the log\n", action.verb,
-               options.timeout);
-    return kTransport;
-  }
-  if (options.as_json)
-    fmt::print("{}\n", json_text(nlohmann::ordered_json{
-                           {"verb", action.verb},
-                           {"confirmed", true},
-                           {"ok", reply->ok != 0},
-                           {"reason", reply->reason},
-                           {"step", reply->step},
-                           {"run", fmt::format("{:016x}", static_cast<uint64_t>(reply->run))}}));
-  else if (reply->ok)
-    fmt::print("{}\n", told(action, *reply));
-  if (!reply->ok) fmt::print(stderr, "lab-send: {}\n", told(action, *reply));
-  return reply->ok ? kOk : kTransport;
-}
-
-int no_answer(const Options& options) {
-  if (interrupted) return 128 + interrupted;
-  fmt::print(stderr, "lab-send: no simulator answers in {:g} s; is a lab running here?\n", options.timeout);
-  return kTransport;
-}
-
 /// The words of the command line.
 struct Words {
   std::vector<std::string> list;  ///< of goal and push
@@ -106,7 +72,133 @@ struct Words {
   Place place;
   double duration = 0, seconds = 0.1;
   int64_t count = 1;
+  bool wait = false;
 };
+
+struct Asked {
+  request_t request{};
+  std::optional<reply_t> reply{};
+};
+
+Asked ask(Guest& guest, const Action& action) {
+  Asked asked;
+  request_t& message = asked.request;
+  message.run = guest.run();
+  message.step = -1;
+  message.utime = wall_now();
+  message.sender = sender();
+  message.id = 1;
+  message.action = to_message(action);
+  guest.ask(Channel::Request, encode(message), [&](Channel channel, std::span<const uint8_t> bytes) {
+    if (channel != Channel::Reply) return false;
+    auto answer = decode<reply_t>(bytes);
+    if (answer.sender != message.sender || answer.id != message.id) return false;
+    asked.reply = std::move(answer);
+    return true;
+  });
+  return asked;
+}
+
+ordered_json to_json(const Action& action, const reply_t& reply) {
+  return {{"verb", action.verb}, {"confirmed", true},
+          {"ok", reply.ok != 0}, {"reason", reply.reason},
+          {"step", reply.step},  {"run", fmt::format("{:016x}", static_cast<uint64_t>(reply.run))}};
+}
+
+/// Says that there is no answer, or that it is no. Returns the exit code; 0 if the request was accepted.
+int refusal(const Options& options, const Action& action, const std::optional<reply_t>& reply) {
+  if (interrupted) return 128 + interrupted;
+  if (reply && reply->ok) return kOk;
+  if (options.as_json)
+    fmt::print("{}\n", json_text(reply ? to_json(action, *reply)
+                                       : ordered_json{{"verb", action.verb}, {"confirmed", false}}));
+  if (reply)
+    complain("lab-send", told(action, *reply));
+  else
+    complain("lab-send",
+             fmt::format("{} unconfirmed: no answer in {:g} s; see the log", action.verb, options.timeout));
+  return kTransport;
+}
+
+int request(Guest& guest, const Options& options, const Action& action) {
+  const auto reply = ask(guest, action).reply;
+  if (const int code = refusal(options, action, reply)) return code;
+  fmt::print("{}\n", options.as_json ? json_text(to_json(action, *reply)) : told(action, *reply));
+  return kOk;
+}
+
+/// Sends a goal and waits until the robot is there: 0; or will not be: 1.
+int request_and_wait(Guest& guest, const Options& options, const Action& action, const run_t& known) {
+  constexpr Micros kSilence = 5'000'000;  // a run that ended without a word, or is paused
+  const RunView run = open_run(known);
+  const Asked asked = ask(guest, action);
+  if (const int code = refusal(options, action, asked.reply)) return code;
+  Arrival arrival(run.experiment, run.robot.model, action, asked.reply->step);
+  const auto take = [&](Channel channel, std::span<const uint8_t> bytes) {
+    if (channel == Channel::Reference) arrival.see(to_signal(decode<reference_t>(bytes)));
+    if (channel == Channel::RobotState) arrival.see(to_signal(decode<robot_state_t>(bytes)));
+    if (channel == Channel::End) arrival.give_up("the run has ended");
+    if (channel == Channel::Input)
+      if (const auto input = decode<input_t>(bytes);
+          input.step >= asked.reply->step &&
+          (input.sender != asked.request.sender || input.id != asked.request.id))
+        arrival.see(to_signal(input.action));
+    if (channel == Channel::Event)
+      if (const auto event = decode<event_t>(bytes);
+          event.what == "action_ignored" && event.who == kPlanner && event.why.starts_with("'goal"))
+        arrival.give_up(event.why);
+    return arrival.over();
+  };
+  const Micros until = options.wait_seconds > 0
+                           ? monotonic_now() + static_cast<Micros>(options.wait_seconds * 1e6)
+                           : std::numeric_limits<Micros>::max();
+  guest.listen(take, kSilence, until);
+  if (interrupted) return 128 + interrupted;
+  if (options.as_json) {
+    ordered_json said = to_json(action, *asked.reply);
+    said["reached"] = arrival.reached();
+    if (arrival.reached())
+      said["reached_step"] = arrival.step();
+    else
+      said["reason"] = arrival.why_not();
+    fmt::print("{}\n", json_text(said));
+  } else if (arrival.reached()) {
+    fmt::print("goal reached after {:.3f} s, at step {}\n", arrival.seconds(), arrival.step());
+  }
+  if (!arrival.reached()) complain("lab-send", "goal not reached: " + arrival.why_not());
+  return arrival.reached() ? kOk : kCheckFailed;
+}
+
+/// Prints what is in force: lines "name<tab>value<tab>unit" of the simulator's answer, all or those of a process and key.
+int get(Guest& guest, const Options& options, const Words& words) {
+  const Action action = plain("get");
+  const auto reply = ask(guest, action).reply;
+  if (const int code = refusal(options, action, reply)) return code;
+  const std::string wanted = words.target + (words.assignment.empty() ? "" : "." + words.assignment);
+  ordered_json all = ordered_json::object();
+  std::vector<std::string> names;
+  for (const Setting& setting : settings_of(reply->reason)) {
+    names.push_back(setting.name);
+    if (!wanted.empty() && setting.name != wanted && !setting.name.starts_with(wanted + ".")) continue;
+    all[setting.name] = {{"value", setting.value}, {"unit", setting.unit}};
+    if (!options.as_json)
+      fmt::print("{}", words.assignment.empty() ? fmt::format("{:<28} {}{}{}\n", setting.name, setting.value,
+                                                              setting.unit.empty() ? "" : " ", setting.unit)
+                                                : setting.value + "\n");
+  }
+  if (all.empty())
+    throw UsageError(fmt::format("get: there is no '{}'{} (there are {})", wanted,
+                                 did_you_mean(wanted, names), list_of(names)));
+  if (options.as_json) fmt::print("{}\n", json_text(all, 2));
+  return kOk;
+}
+
+int no_answer(const Options& options) {
+  if (interrupted) return 128 + interrupted;
+  return refuse("lab-send",
+                fmt::format("no simulator answers in {:g} s; is a lab running here?", options.timeout),
+                kTransport);
+}
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
@@ -121,7 +213,12 @@ void add_options(CLI::App& app, Options& options) {
                    ? ""
                    : "not a hexadecimal number";
       });
-  app.add_option("--timeout", options.timeout, "s to wait for the answer")->check(CLI::PositiveNumber);
+  app.add_option(
+         "--timeout", options.timeout,
+         "give up after so many s (default: 5 for the answer; a goal is waited for as long as states come)")
+      ->check(CLI::PositiveNumber)
+      ->each(
+          [&options](const std::string& word) { options.wait_seconds = std::strtod(word.c_str(), nullptr); });
   app.add_flag("--json", options.as_json, "print JSON");
   app.fallthrough();
 }
@@ -132,7 +229,7 @@ CLI::App* add_verb(CLI::App& app, const char* name, const char* what, const char
   return sub;
 }
 
-void add_goal(CLI::App& app, Words& words) {
+void add_goal(CLI::App& app, Options& options, Words& words) {
   CLI::App* goal = add_verb(
       app, "goal",
       "Moves the reference to a configuration, or a frame to a pose, from where it is, without a jump.",
@@ -152,15 +249,20 @@ void add_goal(CLI::App& app, Words& words) {
       ->excludes(rpy);
   goal->add_option("--duration", words.duration,
                    "s (default: as fast as planner.speed, half, of the speed limits allows)");
+  goal->add_flag("--wait", words.wait, "end with 0 when the robot is there, with 1 when it will not be");
   goal->positionals_at_end(false);
 }
 
-void add_verbs(CLI::App& app, Words& words) {
-  add_goal(app, words);
+void add_verbs(CLI::App& app, Options& options, Words& words) {
+  add_goal(app, options, words);
   CLI::App* set = add_verb(app, "set", "Changes a value of a process while it runs.", "set controller kp=80");
   set->add_option("process", words.target, "such as controller")->required();
   set->add_option("assignment", words.assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")
       ->required();
+  CLI::App* get =
+      add_verb(app, "get", "Prints what is in force: gains, motion, payloads.", "get controller kp");
+  get->add_option("process", words.target, "such as controller (default: all)");
+  get->add_option("key", words.assignment, "such as kp: only its value");
   CLI::App* push = add_verb(app, "push", "Pushes a frame with a force (N) and a torque (Nm) in world axes.",
                             "push effector_body 20 0 0 --for 0.2");
   push->add_option("frame", words.target, "of the robot")->required();
@@ -184,56 +286,61 @@ void add_verbs(CLI::App& app, Words& words) {
   step->positionals_at_end(false);
 }
 
-int send_goal(Guest& guest, const Options& options, const Words& words) {
-  if (!words.place.frame.empty()) return request(guest, options, goal(words.place, words.duration));
+/// What the words say without a look at the lab: a mistake in them is answered at once. Nothing for a goal of some joints.
+std::optional<Action> action_of(const std::string& verb, const Words& words) {
+  if (verb == "set") return set(words.target, words.assignment);
+  if (verb == "push") return push(words.target, words.list, words.seconds);
+  if (verb == "payload") return payload(words.target, words.mass, words.com);
+  if (verb == "step") return steps(words.count);
+  if (verb != "goal") return plain(verb);
+  if (!words.place.frame.empty()) return goal(words.place, words.duration);
   if (words.list.empty())
     throw UsageError("goal: needs a number for every joint, JOINT=VALUE, or --frame and --position");
-  if (!names_joints(words.list)) return request(guest, options, goal(words.list, words.duration));
+  if (names_joints(words.list)) return std::nullopt;
+  return goal(words.list, words.duration);
+}
+
+int send_goal(Guest& guest, const Options& options, const Words& words, std::optional<Action> action) {
   run_t known{};
   std::vector<double> current;
-  if (!read_run_and_reference(guest, known, current)) return no_answer(options);
-  return request(guest, options,
-                 goal(words.list, words.duration, known.joint_names, current, followers_of(known)));
+  if ((!action || words.wait) && !read_run_and_reference(guest, known, current)) return no_answer(options);
+  if (!action) action = goal(words.list, words.duration, known.joint_names, current, followers_of(known));
+  return words.wait ? request_and_wait(guest, options, *action, known) : request(guest, options, *action);
 }
 
 int send_verb(const std::string& verb, const Options& options, const Words& words) {
+  const std::optional<Action> action = action_of(verb, words);
   Guest guest(options);
   // an emergency stop does not wait to know which lab: without --run it stops every lab that hears it
   if (verb != "estop" && !guest.bind_to_run()) return no_answer(options);
-  if (verb == "goal") return send_goal(guest, options, words);
-  if (verb == "set") return request(guest, options, set(words.target, words.assignment));
-  if (verb == "push") return request(guest, options, push(words.target, words.list, words.seconds));
-  if (verb == "payload") return request(guest, options, payload(words.target, words.mass, words.com));
-  if (verb == "step") return request(guest, options, steps(words.count));
-  return request(guest, options, plain(verb));
+  if (verb == "goal") return send_goal(guest, options, words, action);
+  if (verb == "get") return get(guest, options, words);
+  return request(guest, options, *action);
 }
 
 int run(int argc, char** argv) {
   CLI::App app{"Sends one request to the simulator of a running lab and prints the answer.", "lab-send"};
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done, 2 usage, 7 refused or not confirmed.\nexample: lab-send goal 0.1 -0.4 0.8 0 0.2 0 "
+      "Exit codes: 0 done, 1 goal not reached (--wait), 2 usage, 7 refused or not confirmed.\nexample: "
+      "lab-send goal 0.1 -0.4 0.8 0 0.2 0 "
       "--duration 2");
   Options options;
   Words words;
   add_options(app, options);
-  add_verbs(app, words);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kOk : kUsage;
-  }
+  add_verbs(app, options, words);
+  if (const auto code = parse_command_line(app, argc, argv)) return *code;
   struct sigaction action{};
   action.sa_handler = [](int number) { interrupted = number; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 
+  options.follow = words.wait;
   return guarded_main("lab-send", [&] {
     try {
       return send_verb(app.get_subcommands().front()->get_name(), options, words);
     } catch (const UsageError& error) {
-      fmt::print(stderr, "lab-send: {}\n", error.what());
-      return int{kUsage};
+      return refuse("lab-send", error.what(), kUsage);
     }
   });
 }

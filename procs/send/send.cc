@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 #include "core/util/number.h"
 #include "lab/experiment/experiment.h"
@@ -154,6 +155,18 @@ Action plain(const std::string& verb) { return {verb, "", "", "", {}}; }
 Action steps(int64_t count) {
   if (count < 1) throw UsageError(fmt::format("step: {} is not a count", count));
   return {"step", "", "", "", {static_cast<double>(count)}};
+}
+
+std::vector<Setting> settings_of(const std::string& answer) {
+  std::vector<Setting> all;
+  std::stringstream lines(answer);
+  for (std::string line; std::getline(lines, line);) {
+    Setting setting;
+    std::stringstream parts(line);
+    std::getline(std::getline(std::getline(parts, setting.name, '\t'), setting.value, '\t'), setting.unit);
+    all.push_back(std::move(setting));
+  }
+  return all;
 }
 
 std::string told(const Action& action, const reply_t& reply) {

@@ -42,9 +42,15 @@ Action push(const std::string& frame, std::span<const std::string> words, double
 /// `payload FRAME MASS [--com X,Y,Z]` in kg and m.
 Action payload(const std::string& frame, const std::string& mass, const std::string& com);
 
-/// `pause`, `resume`, `estop`, `rearm`, `reset`; `step` with a count.
+/// `pause`, `resume`, `estop`, `rearm`, `reset`, `get`; `step` with a count.
 Action plain(const std::string& verb);
 Action steps(int64_t count);
+
+/// One line of the answer to `get`.
+struct Setting {
+  std::string name, value, unit;
+};
+std::vector<Setting> settings_of(const std::string& answer);
 
 /// "goal accepted from step 1234".
 std::string told(const Action& action, const reply_t& reply);

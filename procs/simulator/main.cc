@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/util/command_line.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/run/shell.h"
 #include "procs/simulator/role.h"
@@ -24,11 +25,7 @@ int main(int argc, char** argv) {
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
       ->envname("LAB_PREFIX");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? lab::kOk : lab::kUsage;
-  }
+  if (const auto code = lab::parse_command_line(app, argc, argv)) return *code;
   return lab::guarded_main("lab-simulator", [&] {
     if (experiment_file.empty())
       experiment_file = run_dir.empty() ? "experiment.yaml" : run_dir + "/experiment.yaml";

@@ -268,3 +268,37 @@ def test_where_two_labs_answer_a_request_must_say_which(tmp_path):
     done = subprocess.run([lab.ISOLATE, "bash", "-c", both], env=lab.environment(), capture_output=True, text=True, timeout=lab.DEADLINE)
     assert "several labs are on this bus: say which with --run: " in done.stdout, done.stderr
     assert "the run has not started" in done.stderr and done.stdout.endswith("\n7\n"), done.stderr
+
+
+@pytest.mark.parametrize("clock", ["lockstep", "realtime"])
+def test_what_is_accepted_happens_and_get_says_what_is_in_force(tmp_path, clock):
+    file = tmp_path / "live.yaml"
+    file.write_text(LIVE.format(duration=600, controller="").replace("processes:", "#"))
+    with lab.Running(str(file), tmp_path / "run", "--set", "planner.kind=hold", "--set", f"simulator.clock={clock}", "--set", "safety.timeout=0.5") as run:
+        run.wait_for_step(200)
+        # too fast for the joint: refused with its limit and a time that would do, which then is accepted, and reached
+        done = send(run, "goal", "joint2_shoulder=1", "--duration", "0.05")
+        assert done.returncode == 7 and "limits of joint 'joint2_shoulder': speed" in done.stderr, done
+        would_do = done.stderr.rsplit("; ", 1)[1].split()[0]
+        done = json.loads(ok(send(run, "goal", "joint2_shoulder=1", "--duration", would_do, "--wait", "--json")))
+        assert done["reached"] and done["reached_step"] - done["step"] >= float(would_do) / 0.001 - 5
+        # not reached: another goal comes first, or the time is up
+        done = send(run, "goal", "joint2_shoulder=0", "--duration", "300", "--wait", "--timeout", "0.5")
+        assert done.returncode == 1 and "goal not reached: the reference has not arrived there" in done.stderr, done
+        # gains: of the law, as they are now
+        assert ok(send(run, "get", "controller", "kp")) == "100\n"
+        ok(send(run, "set", "controller", "kp=80"))
+        after = json.loads(ok(send(run, "get", "controller", "--json")))
+        assert after["controller.kp"] == {"value": "80", "unit": "1/s2"} and after["controller.kd"]["value"] == "20"
+        assert "controller.stiffness" not in after and ok(send(run, "get", "planner", "motion")).startswith("goal 0,0,")
+        for words, why in ((["set", "controller", "stiffness=1,2"], "computed_torque does not use stiffness; it has kp, kd"),
+                           (["set", "controller", "kp=abc"], "kp is 'abc', must be a number")):
+            done = send(run, *words)
+            assert done.returncode == 7 and why in done.stderr, done
+        done = send(run, "get", "controller", "kpp")
+        assert done.returncode == 2 and "did you mean 'controller.kp'" in done.stderr, done
+        run.process.send_signal(signal.SIGINT)
+        assert run.finish().returncode == 130
+    types = lab.generated_types(tmp_path)
+    ignored = [types.event_t.decode(d).why for c, d in lab.events(run.folder / "log.lcm") if c == "EVENT" and types.event_t.decode(d).what == "action_ignored"]
+    assert not ignored, ignored

@@ -173,6 +173,13 @@ std::string LockstepSimulatorRole::missing_answer() {
   return fmt::format("nothing went on after step {}", published_);
 }
 
+std::span<const uint8_t> LockstepSimulatorRole::newest_reference() {
+  for (int64_t step = published_ + config_.lead; step >= std::max<int64_t>(published_ - 1, 0); --step)
+    if (const StepRecord* record = ring_.find(step); record && !record->reference.empty())
+      return record->reference;
+  return {};
+}
+
 int64_t LockstepSimulatorRole::digest_of_last() {
   if (!answered(published_)) return 0;
   StepRecord& last = *ring_.find(published_);

@@ -31,6 +31,7 @@ class LockstepSimulatorRole : public SimulatorRole {
   Micros next_wake() const override { return retry_timer_.due(); }
   int64_t utime(int64_t step) const override { return step_utime(step, config_.dt); }
   int64_t digest_of_last() override;
+  std::span<const uint8_t> newest_reference() override;
 
   void file(Channel channel, std::span<const uint8_t> bytes);
   bool answered(int64_t step);

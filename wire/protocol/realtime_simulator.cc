@@ -11,6 +11,8 @@
 namespace lab {
 
 void RealtimeSimulatorRole::on_message(Channel channel, std::span<const uint8_t> bytes, Micros) {
+  if (channel == Channel::Reference && (reference_.empty() || peek_step(bytes) > peek_step(reference_)))
+    reference_.assign(bytes.begin(), bytes.end());
   if (channel != Channel::Command || phase_ != Phase::Running) return;
   command_t command;
   decode(bytes, command);

@@ -49,6 +49,7 @@ class RealtimeSimulatorRole : public SimulatorRole {
   void on_reset(const std::string& sender) override;
   void begin(Micros now) override;
   void take_due_steps(Micros now) override;
+  std::span<const uint8_t> newest_reference() override { return reference_; }
   Micros next_wake() const override { return paused_ && single_steps_ > 0 ? 0 : due(published_ + 1); }
   int64_t utime(int64_t step) const override { return due(step) + config_.wall_offset; }
 
@@ -67,6 +68,7 @@ class RealtimeSimulatorRole : public SimulatorRole {
   Micros grid_start_ = 0;
   bool fresh_ = false;                ///< command_ has not been used
   command_t command_ = no_command();  ///< the newest
+  Bytes reference_;                   ///< the newest
   std::vector<Event> noticed_;        ///< events for the next state
   int64_t refused_at_ = -1'000'000;   ///< step of the last EVENT about a refused command
   /// The INPUTs that still count, for processes that restart: a later one of the same verb, target and key replaces an

@@ -8,6 +8,7 @@
 #include <lab/event_t.hpp>
 #include <lab/input_t.hpp>
 #include <lab/need_t.hpp>
+#include <lab/reference_t.hpp>
 #include <lab/reply_t.hpp>
 
 #include "wire/protocol/convert.h"
@@ -146,6 +147,7 @@ void SimulatorRole::on_request(const request_t& request, Micros now) {
   if (passed) reply.reason = execute(request, now);
   if (reply.reason.size() > kMaxReason) reply.reason.resize(kMaxReason);
   reply.ok = reply.reason.empty();
+  if (reply.ok && request.action.verb == "get") reply.reason = in_force();
   if (!reply.ok) {
     reply.step = -1;
     reply.utime = 0;
@@ -162,7 +164,8 @@ std::string SimulatorRole::execute(const request_t& request, Micros now) {
   if (phase_ == Phase::Gathering) return "the run has not started";
   if (phase_ != Phase::Running || published_ >= last_step_) return "the run is ending";
   const Action action = to_signal(request.action);
-  if (action.verb == "pause") {
+  if (action.verb == "get") {  // answered with what is in force; changes nothing
+  } else if (action.verb == "pause") {
     paused_ = true;
   } else if (action.verb == "resume") {
     paused_ = false;
@@ -182,10 +185,25 @@ std::string SimulatorRole::execute(const request_t& request, Micros now) {
                          [](const Action& waiting) { return waiting.verb == "estop"; })) {
     // one is enough for the next step: a flood of them stays bounded
   } else {
-    if (std::string why = config_.why_not ? config_.why_not(action) : ""; !why.empty()) return why;
+    if (std::string why = why_not(action); !why.empty()) return why;
     accept_input(request, action);
   }
   return {};
+}
+
+std::string SimulatorRole::in_force() const {
+  std::string text = config_.in_force ? config_.in_force() : "";
+  text += "simulator.state\t" + (paused_ ? "PAUSED" : state()) + "\t\n";
+  if (text.size() > kMaxAnswer) text.resize(kMaxAnswer);
+  return text;
+}
+
+std::string SimulatorRole::why_not(const Action& action) {
+  if (!config_.why_not) return {};
+  const std::span<const uint8_t> bytes = newest_reference();
+  if (bytes.empty()) return config_.why_not(action, nullptr);
+  const Reference newest = to_signal(decode<reference_t>(bytes));
+  return config_.why_not(action, &newest);
 }
 
 /// The action becomes an INPUT of the next step.

@@ -29,8 +29,11 @@ struct SimulatorConfig {
   std::vector<std::string> required = {kPlanner, kController, kLogger};  ///< must be READY before step 0
   std::vector<std::string> listeners = {kLogger};                        ///< the end waits for their last ACK
   Micros deadline = 10'000'000, ready_deadline = 10'000'000;
-  /// Why a requested action is refused; empty = it is accepted. May be null.
-  std::function<std::string(const Action&)> why_not{};
+  /// Why a requested action is refused; empty = it is accepted. `newest` is the reference that reaches farthest ahead, null
+  /// before the first. May be null.
+  std::function<std::string(const Action&, const Reference* newest)> why_not{};
+  /// The answer to `get`: what is in force, lines "name<tab>value<tab>unit". May be null.
+  std::function<std::string()> in_force{};
   /// Why a requested `reset` is refused; empty = it is accepted: this run ends and the supervisor starts the next.
   std::string no_reset{};
 };
@@ -57,6 +60,7 @@ class SimulatorRole : public Role {
   static constexpr Micros kRunAgain = 20'000;  ///< us between two answers to NEED(-1)
   static constexpr int64_t kMaxSingleSteps = 1'000'000'000;
   static constexpr size_t kMaxSender = 256, kMaxReason = 1000;  ///< characters
+  static constexpr size_t kMaxAnswer = 12'000;                  ///< of `get`
 
   SimulatorRole(SimulatorConfig config, SimulateStep simulate, Publish publish);
 
@@ -87,10 +91,11 @@ class SimulatorRole : public Role {
   virtual void on_need(int64_t step, Micros now) = 0;
   virtual void on_input(int64_t step, const Bytes& input) = 0;  ///< keeps it for processes that ask again
   virtual void on_resume(Micros) {}
-  virtual void on_reset(const std::string& /*sender*/) {}  ///< ends the run soon
-  virtual void begin(Micros now) = 0;                      ///< all processes are READY: step 0
-  virtual void take_due_steps(Micros now) = 0;             ///< takes the steps that are possible now
-  virtual Micros next_wake() const = 0;                    ///< while running
+  virtual std::span<const uint8_t> newest_reference() = 0;  ///< an encoded REFERENCE; empty before the first
+  virtual void on_reset(const std::string& /*sender*/) {}   ///< ends the run soon
+  virtual void begin(Micros now) = 0;                       ///< all processes are READY: step 0
+  virtual void take_due_steps(Micros now) = 0;              ///< takes the steps that are possible now
+  virtual Micros next_wake() const = 0;                     ///< while running
   virtual int64_t utime(int64_t step) const = 0;
   virtual int64_t digest_of_last() { return 0; }
 
@@ -132,6 +137,8 @@ class SimulatorRole : public Role {
   void on_request(const request_t& request, Micros now);
   std::string why_not_now(const request_t& request, Micros now) const;
   std::string execute(const request_t& request, Micros now);
+  std::string why_not(const Action& action);
+  std::string in_force() const;
   void accept_input(const request_t& request, const Action& action);
   void start_if_ready(Micros now);
   void finish_if_logs_closed();

@@ -216,14 +216,31 @@ TEST(PlannerLive, AWayThatLeavesOneLimitIsRefused) {
       State state = initial(config);
       const std::string duration = std::to_string(share * longest);
       const std::vector<Action> actions{{"goal", "", "duration", duration, std::vector<double>(6)}};
-      const Output out = step(config, state, {.step = 0, .actions = actions});
-      EXPECT_EQ(out.events.empty(), share < 1) << side << " " << share;
+      const Reference start = step(config, state, {.step = 0}).reference;
+      EXPECT_EQ(goal_fault(config, actions[0], start).empty(), share < 1) << side << " " << share;
+      // the planner takes what was accepted, where it must in the shortest time: 0.5 s
+      EXPECT_TRUE(step(config, state, {.step = 0, .actions = actions}).events.empty());
       double farthest = 0;
       for (int64_t k = 1; k < 8000; ++k)
         farthest = std::max(farthest, side * step(config, state, {.step = k}).reference.q[0]);
-      EXPECT_NEAR(farthest, share < 1 ? share * 0.35 : 0.3, 1e-6);  // else it goes on swinging
+      EXPECT_NEAR(farthest, share < 1 ? share * 0.35 : 16. / 81 * 0.3 * 0.5, 1e-6);
     }
   }
+}
+
+TEST(PlannerLive, AGoalThatIsTooFastIsRefusedWithATimeThatWouldDo) {
+  const Config config = make_config({}, arm());
+  State state = initial(config);
+  const Reference start = step(config, state, {.step = 0}).reference;
+  const auto said = [&](const std::string& duration) {
+    return goal_fault(config, {"goal", "", "duration", duration, {0, 1, 0, 0, 0, 0}}, start);
+  };
+  const double shortest = 1.875 / config.v_max[1];  // s: of a quintic over 1 rad, at the speed limit
+  EXPECT_EQ(said(std::to_string(1.01 * shortest)), "");
+  const std::string fault = said(std::to_string(0.99 * shortest));
+  EXPECT_NE(fault.find("joint 'joint2_shoulder': speed "), std::string::npos) << fault;
+  const double would_do = std::stod(fault.substr(fault.rfind("; ") + 2));
+  EXPECT_EQ(said(std::to_string(would_do)), "") << fault;
 }
 
 TEST(PlannerLive, AGoalBeyondOneLimitIsRefusedByTheDoorAndByThePlanner) {

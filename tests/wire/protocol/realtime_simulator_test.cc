@@ -38,7 +38,7 @@ struct World {
     config.last_step = 100'000;
     config.wall_offset = 5'000'000;
     config.no_reset = no_reset;
-    config.why_not = [](const Action& action) {
+    config.why_not = [](const Action& action, const Reference*) {
       return action.verb == "set" || action.verb == "estop" ? std::string() : "no such action" + action.text;
     };
     simulator = std::make_unique<RealtimeSimulatorRole>(
