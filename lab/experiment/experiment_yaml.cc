@@ -37,6 +37,9 @@ class Document {
     if (root_.IsNull()) root_ = YAML::Node(YAML::NodeType::Map);
     if (!root_.IsMap())
       throw ExperimentError(file_ + ":1: must be a map of sections (robot:, simulator:, ..)");
+    if (root_["experiment"].IsDefined() && (root_["grid"].IsDefined() || root_["draws"].IsDefined()))
+      throw ExperimentError(file_ + ": is a sweep, not an experiment: run it with scripts/lab sweep " +
+                            file_);
     for (const Override& one : overrides) override_with(one);
     walk(root_, "", 1);
   }

@@ -29,6 +29,17 @@ inline std::string show(const YAML::Node& node) {
   return node.IsMap() ? "a map" : "a list";
 }
 
+/// "; a decimal comma: write 0.001" for the text 0,001; else "".
+inline std::string decimal_comma(std::string text) {
+  const size_t comma = text.find(',');
+  if (comma == std::string::npos || comma == 0 ||
+      text.find_first_not_of("+-0123456789eE.,") != std::string::npos ||
+      text.find(',', comma + 1) != std::string::npos)
+    return "";
+  text[comma] = '.';
+  return "; a decimal comma: write " + text;
+}
+
 inline double to_number(const YAML::Node& node, const char* wanted = "a number") {
   std::string text = node.IsScalar() ? node.Scalar() : "";
   const bool quoted = node.IsScalar() && node.Tag() == "!";
@@ -40,7 +51,8 @@ inline double to_number(const YAML::Node& node, const char* wanted = "a number")
       text.find(".INF") < 2)
     throw Fault{"must be finite, not '" + text + "'"};
   if (text.empty() || quoted || stop != end || error == std::errc::invalid_argument)
-    throw Fault{std::string("must be ") + wanted + ", not " + show(node) + (quoted ? " in quotes" : "")};
+    throw Fault{std::string("must be ") + wanted + ", not " + show(node) +
+                (quoted ? " in quotes" : decimal_comma(text))};
   if (error != std::errc() || !std::isfinite(value))
     throw Fault{"must be a finite number, not '" + text + "'"};
   return value;
@@ -62,7 +74,7 @@ inline void read(const YAML::Node& node, const Key& key, int64_t& value) {
   int64_t whole = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
   if (text.empty() || stop != text.data() + text.size() || error != std::errc())
-    throw Fault{"must be a whole number, not " + show(node)};
+    throw Fault{"must be a whole number, not " + show(node) + decimal_comma(text)};
   bounded(static_cast<double>(whole), key);
   value = whole;
 }

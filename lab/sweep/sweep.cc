@@ -50,6 +50,8 @@ class Reader {
     }
     if (!root.IsMap())
       throw ExperimentError(file_ + ":1: must be a map with experiment: and grid: or draws:");
+    if (root["robot"].IsDefined() && !root["experiment"].IsDefined())
+      throw ExperimentError(file_ + ": is an experiment, not a sweep: run it with scripts/lab run " + file_);
     for (const auto& [key, value] : entries(root, "the sweep")) {
       if (key == "experiment")
         read_experiment(value);

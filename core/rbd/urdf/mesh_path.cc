@@ -82,9 +82,28 @@ std::vector<std::string> mesh_candidates(const std::string& uri, const std::stri
   return out;
 }
 
+namespace {
+
+/// The first mesh of a package that is not there.
+struct Missing {
+  int line = 0;
+  std::string link, uri, places;
+  int count = 0;
+};
+
+/// "panda" of package://panda/meshes/hand.stl; "" for a path.
+std::string package_of(const std::string& uri) {
+  for (const std::string kind : {"package://", "model://"})
+    if (uri.starts_with(kind)) return uri.substr(kind.size(), uri.find('/', kind.size()) - kind.size());
+  return "";
+}
+
+}  // namespace
+
 void find_meshes(std::vector<LinkShape>& shapes, const std::vector<std::string>& package_dirs,
                  Report& report) {
   std::map<std::string, std::string> known;  // uri -> file, empty if there is none
+  std::map<std::string, Missing> lost;       // by package: one warning each
   for (LinkShape& item : shapes) {
     const std::string& uri = item.object.meshUri;
     if (item.object.shape != Shape::Mesh) continue;
@@ -101,10 +120,22 @@ void find_meshes(std::vector<LinkShape>& shapes, const std::vector<std::string>&
         std::string places;
         for (const std::string& path : tried) places += (places.empty() ? "tried " : ", ") + path;
         if (places.empty()) places = "known: package:// model:// file:// or a path";
-        report.warn(item.line, "link '" + item.link + "'", "mesh '" + uri + "' not found (" + places + ")");
+        Missing& missing = lost[package_of(uri)];
+        if (missing.count++ == 0) missing = {item.line, item.link, uri, places, 1};
       }
     }
     item.object.mesh = entry->second;
+  }
+  for (const auto& [package, first] : lost) {
+    const std::string others = first.count > 1
+                                   ? ", nor are " + std::to_string(first.count - 1) +
+                                         (package.empty() ? " others" : " others of '" + package + "'")
+                                   : "";
+    const std::string remedy =
+        package.empty() ? ""
+                        : "; LAB_PACKAGE_PATH must have the folder that holds the package '" + package + "'";
+    report.warn(first.line, "link '" + first.link + "'",
+                "mesh '" + first.uri + "' not found" + others + remedy + " (" + first.places + ")");
   }
 }
 
