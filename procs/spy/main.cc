@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/util/command_line.h"
 #include "core/util/interrupt.h"
 #include "core/util/json_text.h"
 #include "lab/run/shell.h"
@@ -27,7 +28,7 @@ using nlohmann::ordered_json;
 struct Options {
   std::string url, prefix, types, channel;
   std::vector<std::string> fields;
-  double seconds = 1, timeout = 0;
+  double seconds = 0, timeout = 0;  ///< s; 0 = not given
   int64_t count = 0;
   bool as_json = false, once = false;
 };
@@ -41,6 +42,27 @@ void listen(Bus& bus, Micros span, const std::function<bool(const Datagram&)>& h
     bus.poll(
         std::min(left, kRepeat), [&](const Datagram& datagram) { go = go && handle(datagram); }, kNoSpin);
   }
+}
+
+/// Waits for the first message that `handle` counts, at most --timeout if it is given; then listens for --for, or `usual` s.
+/// Returns 124 when nothing came in time.
+int listen_for(Bus& bus, const Options& options, double usual,
+               const std::function<bool(const Datagram&)>& counts) {
+  const double span = options.seconds > 0 ? options.seconds : usual;
+  bool heard = false;
+  const auto note = [&](const Datagram& datagram) { heard |= counts(datagram); };
+  if (options.timeout > 0)
+    listen(bus, std::llround(options.timeout * 1e6), [&](const Datagram& datagram) {
+      note(datagram);
+      return !heard;
+    });
+  if (options.timeout > 0 && !heard && !interrupted)
+    return refuse("lab-spy", fmt::format("nothing came in {:g} s", options.timeout), 124);
+  listen(bus, std::llround(span * 1e6), [&](const Datagram& datagram) {
+    note(datagram);
+    return true;
+  });
+  return interrupted ? 128 + interrupted : kOk;
 }
 
 void learn_from(Types& types, const Datagram& datagram) {
@@ -68,11 +90,11 @@ int list(const Options& options) {
   Types types(options.types);
   std::map<std::string, Seen> channels;
   const Micros began = monotonic_now();
-  listen(*bus, std::llround(options.seconds * 1e6), [&](const Datagram& datagram) {
+  const int code = listen_for(*bus, options, 1, [&](const Datagram& datagram) {
     learn_from(types, datagram);
     if (!options.channel.empty() &&
         fnmatch(options.channel.c_str(), std::string(datagram.channel).c_str(), 0) != 0)
-      return true;
+      return false;
     Seen& seen = channels[std::string(datagram.channel)];
     seen.type = type_name(types, datagram);
     seen.times.push_back(monotonic_now());
@@ -81,6 +103,7 @@ int list(const Options& options) {
     seen.senders.insert(datagram.sender);
     return true;
   });
+  if (code == 124) return code;
   const double span = static_cast<double>(monotonic_now() - began) * 1e-6;
   ordered_json all = ordered_json::array();
   if (!options.as_json)
@@ -105,7 +128,7 @@ int list(const Options& options) {
                  static_cast<double>(most) * 1e-3, seen.senders.size(), seen.lost);
   }
   if (options.as_json) fmt::print("{}\n", json_text(all, 2));
-  return interrupted ? 128 + interrupted : kOk;
+  return code;
 }
 
 // ---- echo ---------------------------------------------------------------------------------------------------
@@ -168,19 +191,23 @@ int echo(const Options& options) {
   Types types(options.types);
   const int64_t most = options.once ? 1 : options.count;
   int64_t shown = 0;
-  listen(*bus, options.timeout > 0 ? std::llround(options.timeout * 1e6) : -1, [&](const Datagram& datagram) {
+  const auto show_next = [&](const Datagram& datagram) {
     learn_from(types, datagram);
     if (fnmatch(options.channel.c_str(), std::string(datagram.channel).c_str(), 0) != 0) return true;
     show(options, types, datagram);
     fflush(stdout);
     return ++shown != most;
-  });
+  };
+  // both bound the whole time; only --for makes an end without enough messages a good one
+  const double span = options.seconds > 0 && options.timeout > 0 ? std::min(options.seconds, options.timeout)
+                                                                 : std::max(options.seconds, options.timeout);
+  listen(*bus, span > 0 ? std::llround(span * 1e6) : -1, show_next);
   if (interrupted) return 128 + interrupted;
-  if (shown == 0 || (most > 0 && shown < most)) {
-    fmt::print(stderr, "lab-spy: {} on {} in {:g} s\n", shown == 0 ? "nothing" : "not enough",
-               options.channel, options.timeout);
-    return 124;
-  }
+  const bool too_few = most > 0 ? shown < most : shown == 0 && options.seconds <= 0;
+  if (too_few)
+    return refuse(
+        "lab-spy",
+        fmt::format("{} on {} in {:g} s", shown == 0 ? "nothing" : "not enough", options.channel, span), 124);
   return kOk;
 }
 
@@ -195,13 +222,14 @@ int who(const Options& options) {
     process_t first, last;
   };
   std::map<std::pair<std::string, int32_t>, Life> lives;
-  listen(*bus, std::llround(options.seconds * 1e6), [&](const Datagram& datagram) {
-    if (datagram.channel != only.channels[0] || !guard.check(Channel::Process, datagram.data)) return true;
+  const int code = listen_for(*bus, options, 1, [&](const Datagram& datagram) {
+    if (datagram.channel != only.channels[0] || !guard.check(Channel::Process, datagram.data)) return false;
     const auto process = decode<process_t>(datagram.data);
     const auto [life, is_new] = lives.try_emplace({process.name, process.pid}, Life{process, process});
     life->second.last = process;
     return true;
   });
+  if (code == 124) return code;
   ordered_json all = ordered_json::array();
   if (!options.as_json)
     fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9} {:>8} {:>8} {:>8} {:>9} {:>8}\n", "name", "state", "pid",
@@ -238,15 +266,16 @@ int who(const Options& options) {
                  z.rejected + z.foreign + z.malformed + std::max<int64_t>(z.overflow, 0));
   }
   if (options.as_json) fmt::print("{}\n", json_text(all, 2));
-  return interrupted ? 128 + interrupted : kOk;
+  return code;
 }
 
 int run(int argc, char** argv) {
   CLI::App app{"Shows what is said on an LCM bus, decoded at run time.", "lab-spy"};
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.fallthrough();
   app.footer(
-      "Types: the lab's own, those of --types, and those that TYPE messages bring.\nexample: lab-spy echo "
+      "Without a verb: list. Types: the lab's own, those of --types, and those that TYPE messages "
+      "bring.\nexample: lab-spy echo "
       "ROBOT_STATE --once");
   Options options;
   app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
@@ -254,16 +283,15 @@ int run(int argc, char** argv) {
       ->envname("LAB_PREFIX");
   app.add_option("--types", options.types, "folder with .lcm files");
   app.add_flag("--json", options.as_json, "print JSON");
-  const auto span = [&](CLI::App* verb) {
-    verb->add_option("--for", options.seconds, "s to listen (default 1)")->check(CLI::PositiveNumber);
-  };
+  app.add_option("--for", options.seconds, "s to listen, then end (default: 1; echo: until interrupted)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--timeout", options.timeout, "give up with 124 when nothing has come after so many s")
+      ->check(CLI::PositiveNumber);
   CLI::App* list_verb =
       app.add_subcommand("list", "Lists the channels: type, count, rate, bytes, periods, senders, losses.");
-  span(list_verb);
   list_verb->footer("example: lab-spy list --for 2");
   CLI::App* hz_verb = app.add_subcommand("hz", "The same for some channels.");
   hz_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'");
-  span(hz_verb);
   hz_verb->footer("example: lab-spy hz COMMAND");
   CLI::App* echo_verb = app.add_subcommand("echo", "Prints messages.");
   echo_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'")->required();
@@ -271,18 +299,11 @@ int run(int argc, char** argv) {
   echo_verb->add_option("-n", options.count, "so many messages, then end")->check(CLI::PositiveNumber);
   echo_verb->add_option("--field", options.fields, "only this value, such as q[0]; may be repeated")
       ->allow_extra_args(false);
-  echo_verb->add_option("--timeout", options.timeout, "s, then end; 124 if nothing came")
-      ->check(CLI::PositiveNumber);
   echo_verb->footer("example: lab-spy echo ROBOT_STATE --field q[0] -n 10");
   CLI::App* who_verb =
       app.add_subcommand("who", "Lists the processes that are alive, by their PROCESS messages.");
-  span(who_verb);
   who_verb->footer("example: lab-spy who --for 0.3");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kOk : kUsage;
-  }
+  if (const auto code = parse_command_line(app, argc, argv)) return *code;
   if (!options.channel.empty() && !options.channel.starts_with(options.prefix))
     options.channel = options.prefix + options.channel;
   install_signal_handlers();
@@ -292,11 +313,9 @@ int run(int argc, char** argv) {
       if (*who_verb) return who(options);
       return list(options);
     } catch (const NoField& error) {
-      fmt::print(stderr, "lab-spy: {}\n", error.what());
-      return int{kUsage};
+      return refuse("lab-spy", error.what(), kUsage);
     } catch (const SchemaError& error) {
-      fmt::print(stderr, "lab-spy: {}\n", error.what());
-      return int{kUsage};
+      return refuse("lab-spy", error.what(), kUsage);
     }
   });
 }
