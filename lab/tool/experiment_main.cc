@@ -1,7 +1,7 @@
 // lab-experiment: checks experiments, evaluates runs, makes reports. Scripts call it, so that they need not read YAML.
 #include <CLI/CLI.hpp>
-#include <iostream>
 
+#include "core/util/command_line.h"
 #include "core/util/exit_code.h"
 #include "lab/tool/experiment_verbs.h"
 #include "lab/tool/sweep_verb.h"
@@ -34,6 +34,7 @@ void resolve_options(CLI::App& verb, AllOptions& o) {
   add_file(verb, o);
   add_set(verb, o);
   verb.add_option("-o,--output", o.out, "file to write instead of printing");
+  add_json(verb, o);
 }
 
 void processes_options(CLI::App& verb, AllOptions& o) {
@@ -58,6 +59,15 @@ void manifest_options(CLI::App& verb, AllOptions& o) {
   verb.add_option("--started", o.launch.started, "UTC, ISO 8601");
   verb.add_option("--ended", o.launch.ended, "UTC, ISO 8601");
   verb.add_option("--wall", o.launch.wall_seconds, "seconds the run took");
+}
+
+void verdict_options(CLI::App& verb, AllOptions& o) {
+  verb.add_option("run", o.ended_run, "folder of a run (default: nothing has run)");
+  verb.add_option("--name", o.name, "of the experiment")->required();
+  verb.add_option("--code", o.code, "exit code of the run")->required();
+  verb.add_option("--reason", o.reason, "why it did not run");
+  verb.add_option("--junit", o.junit, "JUnit XML to write");
+  add_json(verb, o);
 }
 
 void report_options(CLI::App& verb, AllOptions& o) {
@@ -87,6 +97,11 @@ void sweep_options(CLI::App& verb, AllOptions& all) {
                   "I/N: only every N-th run from I on, and no pages: a task of a Slurm array");
 }
 
+void keys_options(CLI::App& verb, AllOptions& o) {
+  verb.add_option("keys", o.files, "words: keys that contain one of them (default: all)");
+  add_json(verb, o);
+}
+
 struct Verb {
   const char *name, *what, *example;
   void (*add_options)(CLI::App&, AllOptions&);
@@ -107,6 +122,9 @@ constexpr Verb kVerbs[] = {
     {"manifest", "Writes RUN/manifest.json: versions, hashes, host, times, exit codes.",
      "manifest runs/latest --exit simulator=0 --wall 3.2", manifest_options,
      [](const AllOptions& o) { return write_manifest(o); }},
+    {"verdict", "Says what came of a run, as JSON or JUnit XML: what `lab run --json --junit FILE` prints.",
+     "verdict runs/latest --name cubic_pd --code 0 --json", verdict_options,
+     [](const AllOptions& o) { return tell_verdict(o); }},
     {"report", "Writes RUN/report.html of each run: one page, plots and all; prints its path.",
      "report runs/latest", report_options, [](const AllOptions& o) { return report_runs(o); }},
     {"compare", "Compares runs with the first of them.",
@@ -115,14 +133,13 @@ constexpr Verb kVerbs[] = {
     {"sweep", "Runs an experiment for every point of a grid and every draw; writes sweep.csv and sweep.html.",
      "sweep experiments/sweeps/kp_kd.yaml -o runs/sweep-kp_kd", sweep_options,
      [](const AllOptions& o) { return sweep::run(o.sweep); }},
-    {"keys", "Prints the table of all keys (Markdown).", "keys", [](CLI::App&, AllOptions&) {},
-     [](const AllOptions& o) { return list_keys(o); }},
+    {"keys", "Prints the table of all keys (Markdown), or what is to say of some.", "keys controller.kp",
+     keys_options, [](const AllOptions& o) { return list_keys(o); }},
 };
 
 int run(int argc, char** argv) {
   CLI::App app("Looks at experiments and at what came of them.", "lab-experiment");
   app.require_subcommand(1);
-  app.set_version_flag("--version", LAB_VERSION);
   app.footer(
       "Exit codes: 0 ok, 1 a verdict failed, 2 usage, 3 bad experiment, robot or file.\n"
       "example: lab-experiment check experiments/cubic_pd.yaml --set controller.kp=80");
@@ -132,18 +149,13 @@ int run(int argc, char** argv) {
     verb.add_options(*sub, options);
     sub->footer(std::string("example: lab-experiment ") + verb.example);
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kOk : kUsage;
-  }
+  if (const auto code = parse_command_line(app, argc, argv)) return *code;
   try {
     for (const Verb& verb : kVerbs)
       if (app.got_subcommand(verb.name)) return verb.run(options);
     return kUsage;
   } catch (const std::exception& e) {
-    std::cerr << e.what() << "\n";
-    return kBadConfig;
+    return refuse("lab-experiment", e.what(), kBadConfig);
   }
 }
 

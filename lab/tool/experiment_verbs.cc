@@ -1,22 +1,27 @@
 #include "lab/tool/experiment_verbs.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "core/util/atomic_file.h"
+#include "core/util/command_line.h"
 #include "core/util/exit_code.h"
 #include "core/util/json_text.h"
 #include "core/util/number.h"
 #include "lab/check/check.h"
+#include "lab/check/unused.h"
 #include "lab/evaluation/evaluate.h"
 #include "lab/evaluation/read_run.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/experiment/hash.h"
+#include "lab/experiment/keys.h"
 #include "lab/report/compare.h"
 #include "lab/report/report.h"
 #include "lab/tool/metrics_text.h"
 #include "lab/tool/procfile.h"
+#include "lab/tool/verdict.h"
 
 namespace lab {
 namespace {
@@ -24,20 +29,19 @@ namespace {
 using nlohmann::json;
 
 void print_warnings(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) std::cerr << warning << "\n";
+  for (const std::string& warning : warnings) complain("lab-experiment", warning);
 }
 
 /// Prints what is wrong with a log. False if its figures are not those of the whole run.
 bool print_findings(const LoggedRun& logged) {
-  for (const std::string& line : lines_of(logged.log))
-    std::cerr << "lab-experiment: " << logged.path << ": " << line << "\n";
+  for (const std::string& line : lines_of(logged.log)) complain("lab-experiment", logged.path + ": " + line);
   return logged.whole();
 }
 
 /// The same for what a page is made of, which may have no log at all.
 bool print_findings(const report::Folder& folder) {
   if (folder.logged) return print_findings(*folder.logged);
-  std::cerr << "lab-experiment: " << folder.name << ": " << folder.no_log << "\n";
+  complain("lab-experiment", folder.name + ": " + folder.no_log);
   return false;
 }
 
@@ -65,7 +69,7 @@ int check_files(const Options& options) {
     } catch (const std::exception& error) {
       one["ok"] = false;
       one["error"] = error.what();
-      if (!options.as_json) std::cerr << error.what() << "\n";
+      if (!options.as_json) complain("lab-experiment", error.what());
       result = kBadConfig;
     }
     all.push_back(one);
@@ -79,8 +83,9 @@ int resolve_file(const Options& options) {
   print_warnings(check(e, load_robot(e)));
   if (const std::string model = find_model(e); !model.empty())
     e.robot.model = model;  // the run folder is elsewhere
-  const std::string text =
-      "# As run; made from " + std::filesystem::path(options.file).filename().string() + ".\n" + resolve(e);
+  resolve_processes(e);
+  const std::string text = std::string(kAsRun) + "; made from " +
+                           std::filesystem::path(options.file).filename().string() + ".\n" + resolve(e);
   if (options.out.empty() || options.out == "-")
     std::cout << text;
   else
@@ -89,7 +94,9 @@ int resolve_file(const Options& options) {
 }
 
 int list_processes(const Options& options) {
-  std::cout << procfile(load_experiment(options.file, options.set), options.run_dir, options.restart);
+  Experiment e = load_experiment(options.file, options.set);
+  resolve_processes(e);
+  std::cout << procfile(e, options.run_dir, options.restart);
   return kOk;
 }
 
@@ -114,8 +121,7 @@ int write_manifest(Options options) {
     try {
       options.launch.exit_codes[text.substr(0, equals)] = std::stoi(text.substr(equals + 1));
     } catch (const std::exception&) {
-      std::cerr << "--exit " << text << ": must look like simulator=0\n";
-      return kUsage;
+      return refuse("lab-experiment", "--exit " + text + ": must look like simulator=0", kUsage);
     }
   }
   const std::string text = json_text(manifest(options.run_dir, options.launch), 2) + "\n";
@@ -152,8 +158,34 @@ int compare_runs(const Options& options) {
   return result;
 }
 
-int list_keys(const Options&) {
-  std::cout << key_table();
+int list_keys(const Options& options) {
+  json all = json::array();
+  std::vector<std::string> names;
+  std::string text;
+  const Experiment standard;
+  for_each_key(standard, [&](const Key& key, const auto&) {
+    const std::string name = key.name;
+    names.push_back(name);
+    const bool wanted = std::any_of(options.files.begin(), options.files.end(), [&](const std::string& word) {
+      return name.find(word) != std::string::npos;
+    });
+    if (!options.files.empty() && !wanted) return;
+    all.push_back({{"key", name}, {"unit", key.unit}, {"default", key.standard}, {"what", key.doc}});
+    text += name + (*key.unit ? std::string(" (") + key.unit + ")" : "") + ", default " + key.standard +
+            ": " + key.doc + "\n";
+  });
+  if (all.empty())
+    return refuse("lab-experiment",
+                  "there is no key '" + options.files[0] + "'" + did_you_mean(options.files[0], names),
+                  kUsage);
+  std::cout << (options.as_json ? json_text(all, 2) + "\n" : options.files.empty() ? key_table() : text);
+  return kOk;
+}
+
+int tell_verdict(const Options& options) {
+  const auto verdict = run_verdict(options.ended_run, options.name, options.code, options.reason);
+  if (!options.junit.empty()) write_atomically(options.junit, junit(verdict));
+  if (options.as_json) std::cout << json_text(verdict, 2) << "\n";
   return kOk;
 }
 

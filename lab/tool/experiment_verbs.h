@@ -12,6 +12,8 @@ namespace lab {
 struct Options {
   std::vector<std::string> files, set, exits;
   std::string file, out, run_dir = ".", restart = "never";
+  std::string ended_run, name, reason, junit;  ///< of verdict
+  int code = 0;
   Launch launch;
   bool as_json = false;
 };
@@ -24,5 +26,6 @@ int write_manifest(Options);
 int report_runs(const Options&);
 int compare_runs(const Options&);
 int list_keys(const Options&);
+int tell_verdict(const Options&);
 
 }  // namespace lab

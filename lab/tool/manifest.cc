@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "core/util/json_text.h"
+#include "core/util/version.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/experiment/hash.h"
 #include "lab/experiment/robot.h"
@@ -67,7 +68,8 @@ json manifest(const std::string& dir, const Launch& launch) {
   json out;
   utsname system{};
   uname(&system);
-  out["lcmlab"] = LAB_VERSION;
+  out["lcmlab"] = kVersion;
+  out["commit"] = commit();
   out["state"] = "ended";
   out["files"] =
       member(object_in(dir + "/manifest.json"), "files");  // as the verb that began the run wrote them

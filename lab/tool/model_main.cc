@@ -5,6 +5,7 @@
 #include <iostream>
 #include <iterator>
 
+#include "core/util/command_line.h"
 #include "core/util/exit_code.h"
 #include "core/util/json_text.h"
 #include "lab/model/describe.h"
@@ -142,27 +143,20 @@ int run(int argc, char** argv) {
       "example: lab-model info builtin:manipulator");
   Options o;
   for (const Verb& verb : kVerbs) add_verb(app, verb, o);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kOk : kUsage;
-  }
+  if (const auto code = parse_command_line(app, argc, argv)) return *code;
 
   try {
     o.robot.mimic = !o.no_mimic;
     if (!o.gravity.empty()) o.robot.gravity = gravity_of(o.gravity);
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "lab-model: --gravity: {}\n", error.what());
-    return kUsage;
+    return refuse("lab-model", std::string("--gravity: ") + error.what(), kUsage);
   }
   try {
     return run_verb(app.get_subcommands().front()->get_name(), o);
   } catch (const InputError& error) {
-    fmt::print(stderr, "lab-model: {}\n", error.what());
-    return kUsage;
+    return refuse("lab-model", error.what(), kUsage);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "lab-model: {}\n", error.what());
-    return kCheckFailed;
+    return refuse("lab-model", error.what(), kCheckFailed);
   }
 }
 

@@ -1,10 +1,15 @@
 #include "lab/tool/procfile.h"
 
+#include <algorithm>
+#include <filesystem>
+
 #include "core/util/number.h"
 #include "core/util/shell_quote.h"
 
 namespace lab {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string replaced(std::string text, const std::string& what, const std::string& with) {
   for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
@@ -12,7 +17,43 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
+/// A word of a command line as it runs from anywhere.
+std::string resolved(const std::string& word, bool is_program, const fs::path& beside) {
+  if (word.empty() || std::string("/-~{$").find(word[0]) != std::string::npos ||
+      word.find("://") != std::string::npos)
+    return word;
+  const bool is_path =
+      word.find('/') != std::string::npos || (!is_program && word.find('.') != std::string::npos);
+  std::error_code none;
+  if (!is_path || !fs::exists(beside / word, none)) return word;
+  return shell_quote((beside / word).lexically_normal().string());
+}
+
 }  // namespace
+
+void resolve_processes(Experiment& e) {
+  for (auto& [name, command] : e.processes) {
+    const std::string key = "processes." + name;
+    const auto place = e.where.find(key);
+    const bool in_file = place != e.where.end() && place->second.starts_with(e.file + ":");
+    const fs::path beside =
+        in_file ? fs::absolute(e.file).lexically_normal().parent_path() : fs::current_path();
+    constexpr const char* kEnds = " \t'\"`;&|<>()=,";
+    std::string out;
+    for (size_t at = 0, end = 0; at < command.size(); at = end) {
+      end = std::min(command.find_first_of(kEnds, at), command.size());
+      const std::string word = command.substr(at, end - at);
+      const bool is_program = out.find_first_not_of(" \t") == std::string::npos;
+      std::error_code none;
+      if (is_program && (word.starts_with("./") || word.starts_with("../")) &&
+          !fs::exists(beside / word, none))
+        fail(e, key, "'" + word + "' is not there (looked in " + beside.string() + ")");
+      out += resolved(word, is_program, beside);
+      if (end < command.size()) out += command[end++];
+    }
+    command = out;
+  }
+}
 
 std::string procfile(const Experiment& e, const std::string& run_dir, const std::string& restart) {
   const std::string dir = shell_quote(run_dir);

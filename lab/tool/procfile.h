@@ -12,4 +12,8 @@ namespace lab {
 /// `restart` (never, on-failure, always) is the policy of all but the simulator.
 std::string procfile(const Experiment&, const std::string& run_dir, const std::string& restart = "never");
 
+/// Makes the paths in `processes` absolute that exist beside the file which names them ("./pd.py", "python3 tools/pd.py"), so
+/// that the experiment runs from anywhere. Throws ExperimentError for a program "./x" or "../x" that is not there.
+void resolve_processes(Experiment&);
+
 }  // namespace lab

@@ -13,9 +13,11 @@
 #include <thread>
 
 #include "core/util/atomic_file.h"
+#include "core/util/command_line.h"
 #include "core/util/exit_code.h"
 #include "core/util/interrupt.h"
 #include "core/util/json_text.h"
+#include "lab/evaluation/metrics.h"
 #include "lab/sweep/engine.h"
 #include "lab/sweep/page.h"
 #include "lab/sweep/table.h"
@@ -27,10 +29,7 @@ namespace fs = std::filesystem;
 constexpr int kTasks = 8;         // of the Slurm array, without -j
 constexpr size_t kMaxNamed = 10;  // runs that are named if something is wrong with them
 
-int usage(const std::string& fault) {
-  fmt::print(stderr, "{}\n", fault);
-  return kUsage;
-}
+int usage(const std::string& fault) { return refuse("lab-experiment", fault, kUsage); }
 
 /// Locks the sweep's folder for as long as this process lives. Returns "" or what is wrong.
 std::string take_folder(const std::string& dir) {
@@ -66,6 +65,13 @@ void name_runs(const Sweep& sweep, const std::vector<Row>& rows, const char* wha
     fmt::print(stderr, "  .. and {} more: see column reason of sweep.csv\n", runs.size() - kMaxNamed);
 }
 
+/// " rad, m"; "" for a metric without a unit.
+std::string unit_of(const std::string& name) {
+  for (const Metric& metric : metrics())
+    if (name.substr(0, name.find('.')) == metric.name && *metric.unit) return std::string(" ") + metric.unit;
+  return "";
+}
+
 int finish(const Sweep& sweep, const std::vector<Row>& rows, const Options& o) {
   write_atomically(o.dir + "/sweep.csv", csv(sweep, rows));
   write_atomically(o.dir + "/sweep.html", page(sweep, rows));
@@ -80,9 +86,9 @@ int finish(const Sweep& sweep, const std::vector<Row>& rows, const Options& o) {
   } else {
     for (size_t m = 0; m < sweep.metrics.size(); ++m)
       if (const Extremes found = extremes(rows, m); found.smallest >= 0)
-        fmt::print("  smallest {} {:.4g}: run {} ({})\n", sweep.metrics[m],
-                   rows[static_cast<size_t>(found.smallest)].metrics[m], found.smallest,
-                   settings(sweep, found.smallest));
+        fmt::print("  smallest {} {:.4g}{}: run {} ({})\n", sweep.metrics[m],
+                   rows[static_cast<size_t>(found.smallest)].metrics[m], unit_of(sweep.metrics[m]),
+                   found.smallest, settings(sweep, found.smallest));
     fmt::print("sweep folder: {}\n  figures   sweep.csv ({} runs, {} complete), sweep.html\n", o.dir,
                rows.size(), counts.complete);
   }
@@ -141,8 +147,7 @@ int run(const Options& options) {
     return run_all(sweep, bench, o, part, parts);
   } catch (const std::runtime_error&
                error) {  // results cannot be written, or no Slurm: not a fault of the experiment
-    fmt::print(stderr, "lab sweep: {}\n", error.what());
-    return kCheckFailed;
+    return refuse("lab sweep", error.what(), kCheckFailed);
   }
 }
 

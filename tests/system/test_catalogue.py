@@ -93,7 +93,7 @@ def test_wrong_files_are_one_line(change, words, tmp_path):
     path.write_text(GOOD.replace(*change, 1))
     done = lab.run(path, tmp_path / "run")
     assert done.returncode == 3 and done.stdout == "", done
-    assert done.stderr.startswith(f"{path}{words}") and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.startswith(f"lab run: {path}{words}") and done.stderr.count("\n") == 1, done.stderr
     assert not (tmp_path / "run").exists()
 
 

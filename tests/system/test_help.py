@@ -46,7 +46,8 @@ def test_programs(program):
         check_examples(text, program)
     for words in (["--no-such-option"], *([verb, "--no-such-option"] for verb in verbs)):
         done = run(path, *words)
-        assert done.returncode == 2 and done.stdout == "" and done.stderr.count("\n") == 2, done
+        assert done.returncode == 2 and done.stdout == "" and done.stderr.count("\n") == 1, done
+        assert done.stderr.startswith(f"{program}: unknown option '--no-such-option' (see: {program}"), done
 
 
 @pytest.mark.parametrize("verb", VERBS)

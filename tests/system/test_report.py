@@ -139,7 +139,7 @@ def test_broken_runs_get_a_page(runs, tmp_path, what, words):
     else:
         log.write_bytes({"empty": b"", "cut": whole[:len(whole) * 2 // 3], "noise": b"\x00\x7f" * 5000}[what])
     done = call("report", folder)
-    assert done.returncode == 1 and done.stderr.startswith("lab-experiment: "), done
+    assert done.returncode == 1 and done.stderr.startswith("lab report: "), done
     assert words in checked(folder / "report.html").text
 
 

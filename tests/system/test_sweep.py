@@ -102,7 +102,7 @@ def test_bad_files_and_bad_runs(tmp_path):
     out = tmp_path / "out"
     done = sweep(sweep_file(tmp_path, "grid:\n  controler.kp: [1]\n"), out)
     assert done.returncode == 3 and done.stdout == ""
-    assert done.stderr == f"{tmp_path}/s.yaml:3: unknown section 'controler'; did you mean 'controller'?\n"
+    assert done.stderr == f"lab sweep: {tmp_path}/s.yaml:3: unknown section 'controler'; did you mean 'controller'?\n"
     assert not out.exists()
     done = sweep(tmp_path / "gone.yaml", out)
     assert done.returncode == 3 and done.stderr.count("\n") == 1
