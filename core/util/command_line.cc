@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -29,16 +30,26 @@ std::string names_of_verbs(const CLI::App& app) {
   return names;
 }
 
-std::string mistake(const CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App& verb = innermost(app);
-  const std::string verbs = names_of_verbs(app);
-  if (const std::vector<std::string> rest = app.remaining(true);
-      !rest.empty() && error.get_name() == "ExtrasError") {
-    if (rest[0].starts_with("-")) return "unknown option '" + rest[0] + "'";
-    if (&verb == &app && !verbs.empty()) return "there is no verb '" + rest[0] + "'; there are " + verbs;
-    return "unexpected argument '" + rest[0] + "'";
-  }
-  if (&verb == &app && !verbs.empty() && error.get_name() == "RequiredError")
+/// The first word that nothing took: an option, if there is one, since the words behind it are its own; "" if there is none.
+std::string unexpected_word(const CLI::App& app, int argc, char** argv) {
+  const std::vector<std::string> rest = app.remaining(true);
+  for (const bool options : {true, false})
+    for (int i = 1; i < argc; ++i)
+      if (const std::string word = argv[i];
+          (!options || word.starts_with("-")) && std::find(rest.begin(), rest.end(), word) != rest.end())
+        return word;
+  return "";
+}
+
+std::string mistake(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  const bool outside = &innermost(app) == &app;
+  const std::string verbs = outside ? names_of_verbs(app) : "";
+  const std::string word =
+      dynamic_cast<const CLI::ExtrasError*>(&error) ? unexpected_word(app, argc, argv) : "";
+  if (word.starts_with("-")) return "unknown option '" + word + "'";
+  if (!word.empty() && !verbs.empty()) return "there is no verb '" + word + "'; there are " + verbs;
+  if (!word.empty()) return "unexpected argument '" + word + "'";
+  if (!verbs.empty() && dynamic_cast<const CLI::RequiredError*>(&error))
     return "no verb given; there are " + verbs;
   return error.what();
 }
@@ -73,10 +84,10 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
     const CLI::App& verb = innermost(app);
     const std::string own = app.get_name(), below = &verb == &app ? "" : " " + verb.get_name();
     const bool by_verb = called(own) != own;
-    return refuse(
-        own,
-        mistake(app, error) + " (see: " + (by_verb ? "scripts/" + called(own) : own + below) + " --help)",
-        kUsage);
+    return refuse(own,
+                  mistake(app, error, argc, argv) +
+                      " (see: " + (by_verb ? "scripts/" + called(own) : own + below) + " --help)",
+                  kUsage);
   }
 }
 

@@ -229,7 +229,7 @@ CLI::App* add_verb(CLI::App& app, const char* name, const char* what, const char
   return sub;
 }
 
-void add_goal(CLI::App& app, Options& options, Words& words) {
+void add_goal(CLI::App& app, Words& words) {
   CLI::App* goal = add_verb(
       app, "goal",
       "Moves the reference to a configuration, or a frame to a pose, from where it is, without a jump.",
@@ -253,8 +253,8 @@ void add_goal(CLI::App& app, Options& options, Words& words) {
   goal->positionals_at_end(false);
 }
 
-void add_verbs(CLI::App& app, Options& options, Words& words) {
-  add_goal(app, options, words);
+void add_verbs(CLI::App& app, Words& words) {
+  add_goal(app, words);
   CLI::App* set = add_verb(app, "set", "Changes a value of a process while it runs.", "set controller kp=80");
   set->add_option("process", words.target, "such as controller")->required();
   set->add_option("assignment", words.assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")
@@ -328,7 +328,7 @@ int run(int argc, char** argv) {
   Options options;
   Words words;
   add_options(app, options);
-  add_verbs(app, options, words);
+  add_verbs(app, words);
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   struct sigaction action{};
   action.sa_handler = [](int number) { interrupted = number; };
