@@ -44,14 +44,21 @@ std::string unexpected_word(const CLI::App& app, int argc, char** argv) {
 std::string mistake(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const bool outside = &innermost(app) == &app;
   const std::string verbs = outside ? names_of_verbs(app) : "";
+  const bool no_verb = !verbs.empty() && dynamic_cast<const CLI::RequiredError*>(&error);
   const std::string word =
-      dynamic_cast<const CLI::ExtrasError*>(&error) ? unexpected_word(app, argc, argv) : "";
+      no_verb || dynamic_cast<const CLI::ExtrasError*>(&error) ? unexpected_word(app, argc, argv) : "";
   if (word.starts_with("-")) return "unknown option '" + word + "'";
   if (!word.empty() && !verbs.empty()) return "there is no verb '" + word + "'; there are " + verbs;
   if (!word.empty()) return "unexpected argument '" + word + "'";
-  if (!verbs.empty() && dynamic_cast<const CLI::RequiredError*>(&error))
-    return "no verb given; there are " + verbs;
-  return error.what();
+  if (no_verb) return "no verb given; there are " + verbs;
+  std::string text = error.what();
+  // CLI11 writes the bound of a positive number with all its 309 digits
+  if (const size_t at = text.find(" not in range 0"); at != std::string::npos && text.size() > at + 300)
+    text = text.substr(0, at) + " must be above 0";
+  if (const size_t comma = text.rfind(',');
+      dynamic_cast<const CLI::ConversionError*>(&error) && comma != std::string::npos)
+    text += " (a decimal comma? write a point)";
+  return text;
 }
 
 }  // namespace
