@@ -91,6 +91,7 @@ write_state() {
     echo "url ${LCM_DEFAULT_URL:-}"
     echo "prefix ${LAB_PREFIX:-}"
     echo "phase $phase"
+    [ "$phase" != ended ] || { now && echo "ended $t"; }
     echo "code $ended_code"
     echo "reason $reason"
     for name in "${names[@]}"; do

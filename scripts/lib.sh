@@ -1,15 +1,23 @@
 # shellcheck shell=bash
 # Sourced first by every verb: paths, messages, exit codes, run folders, running labs.
 set -u
+# One locale for all that the lab starts: its numbers have points, whatever the user's have, and lists the same order everywhere.
+export LC_ALL=C.UTF-8
 
 LAB_SCRIPTS=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 LAB_ROOT=$(dirname "$LAB_SCRIPTS")
 LAB_BUILD=${LAB_BUILD:-$LAB_ROOT/build/release} # another build's programs: LAB_BUILD=build/asan lab run ..
 LAB_RUNS=${LAB_RUNS:-$LAB_ROOT/runs}
-LAB_ROBOTS=${XDG_CACHE_HOME:-${HOME:-/nonexistent}/.cache}/lcmlab/robots/example-robot-data-6.0.0
+cache_folder=${XDG_CACHE_HOME:-${HOME:-/nonexistent}/.cache}
+LAB_ROBOTS=$cache_folder/lcmlab/robots/example-robot-data-6.0.0
 export LAB_ROOT LAB_BUILD LAB_RUNS
-# As root of a user namespace, which a private run may be, Mesa would look for its cache in /root.
-export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-/nonexistent}/.cache}}
+# As root of a user namespace, which a private run may be, Mesa would look for its cache in /root. It complains of a folder that
+# it cannot make.
+if [ -w "$cache_folder" ] || [ -w "${cache_folder%/*}" ]; then
+  export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$cache_folder}
+else
+  export MESA_SHADER_CACHE_DISABLE=${MESA_SHADER_CACHE_DISABLE:-true}
+fi
 case ":$PATH:" in *":$LAB_BUILD/bin:"*) ;; *) export PATH="$LAB_BUILD/bin:$PATH" ;; esac
 
 # package://example-robot-data/... resolves after `lab robots`.
@@ -55,15 +63,54 @@ if [ -t 2 ] && [ -z "${NO_COLOR:-}" ] && [ "${TERM:-dumb}" != dumb ]; then
   bold=$'\e[1m' red=$'\e[31m' green=$'\e[32m' dim=$'\e[2m' plain=$'\e[0m'
 fi
 
+# Output that cannot be written (disk full, closed, /dev/full): where echo or printf cannot write the data of a verb to stdout, it
+# ends with 1 (bash has said why); a message that stderr does not take ends nothing, but 0 becomes 1. A verb that has
+# something to clean up defines `cleanup`: this is the only EXIT trap.
+message_lost=''
+cleanup() { :; }
+set -E
+trap 'case $BASH_COMMAND in echo* | printf*) [[ $BASH_COMMAND == *">"* ]] || exit 1 ;; esac' ERR
+end_of_verb() {
+  local code=$?
+  cleanup
+  [ "$code" -ne 0 ] || [ -z "$message_lost" ] || code=1
+  exit "$code"
+}
+trap end_of_verb EXIT
+
 # Messages go to stderr: stdout is for data.
-say() { printf '%s\n' "$*" >&2; }
+say() {
+  visible "$*"
+  printf '%s\n' "$shown" >&2 || message_lost=1
+}
+
+# visible TEXT: sets shown to the text as a terminal may get it. Names come from others: without our colours, what is not UTF-8 and
+# control characters other than line feeds are shown as \xNN (in C++ printable() of core/util does that).
+visible() {
+  local bare=$1 colour
+  for colour in "$bold" "$red" "$green" "$dim" "$plain"; do [ -z "$colour" ] || bare=${bare//"$colour"/}; done
+  shown=$1
+  # shellcheck disable=SC2101  # a class beside a line feed
+  [[ $bare != *[![:print:]$'\n']* ]] || escape_bytes "$bare"
+}
+escape_bytes() { # TEXT: sets shown
+  local LC_ALL=C i byte
+  shown=''
+  for ((i = 0; i < ${#1}; i++)); do
+    byte=${1:i:1}
+    # shellcheck disable=SC2101
+    [[ $byte == [[:print:]$'\n'] ]] || { printf -v byte %d "'$byte" && printf -v byte '\\x%02x' $((byte & 255)); }
+    shown+=$byte
+  done
+}
 
 # die CODE WORDS..: prints one line on stderr, under --json also {"error": .., "exit_code": ..} on stdout, and exits with CODE.
 die() {
   local text=${*:2}
-  printf '%s: %s%s%s\n' "$verb" "$red" "$text" "$plain" >&2
+  say "$verb: $red$text$plain"
   if [ -n "$as_json" ]; then
-    text=${text//\\/\\\\}
+    visible "$text"
+    text=${shown//\\/\\\\}
     text=${text//\"/\\\"}
     printf '{"error":"%s","exit_code":%d}\n' "${text//[[:cntrl:]]/ }" "$1" >&"$json_out"
   fi
@@ -71,7 +118,7 @@ die() {
 }
 
 # The header comment of a verb is its help.
-help() { sed -n '2,${/^#/!q; s/^# \{0,1\}//p}' "$0"; }
+help() { sed -n '2,${/^#/!q; s/^# \{0,1\}//p}' "$0" || exit 1; }
 
 # usage_error WORDS..: exits with 2 and points to --help.
 usage_error() { die 2 "$* (see: scripts/$verb --help)"; }
@@ -101,6 +148,23 @@ need_programs() {
     [ -x "$LAB_BUILD/bin/$p" ] || die 2 "$p is not built in $LAB_BUILD: run scripts/lab setup and scripts/lab build first"
   done
 }
+
+# now: sets t to the milliseconds since boot. The wall clock can be set while we wait; so can $SECONDS, which follows it.
+now() {
+  local up
+  read -r up _ </proc/uptime
+  t=$((10#${up//./} * 10))
+}
+
+# milliseconds S: sets ms to a decimal number of seconds in milliseconds
+milliseconds() { printf -v ms %.0f "${1}e3"; }
+
+# expires_in S: sets end; `expired` is true from then on
+expires_in() { milliseconds "$1" && now && end=$((t + ms)); }
+expired() { now && [ "$t" -ge "$end" ]; }
+
+# The scripts read the clock, their own pid and the bus of a lab from /proc.
+[ -r /proc/self/stat ] || die 2 "/proc is not mounted: the lab's scripts need it (mount -t proc proc /proc)"
 
 # pause S: waits for S seconds between two polls, without a process
 pause() {
@@ -236,7 +300,7 @@ find_experiment() {
   die 3 "there is no experiment '$1'${near:+; near names: $near} (experiments/ has some to start from)"
 }
 
-cannot_make() { die 2 "cannot write the run folder $1 (permissions? disk full?)"; }
+cannot_make() { die 2 "cannot write the run folder $1 (permissions? disk full? LAB_RUNS=DIR puts runs elsewhere)"; }
 
 # make_run_folder NAME [DIR]: makes and locks the folder of a run: sets dir, and made if it is new.
 make_run_folder() {
@@ -287,7 +351,12 @@ run_is_alive() {
   supervisor_lives "$1" || has_just_ended "$1"
 }
 has_just_ended() {
-  grep -q '^phase ended' "$1/processes/state" 2>/dev/null && [ $((EPOCHSECONDS - $(stat -c %Y "$1/processes/state"))) -lt 10 ]
+  local t ended
+  local -A lab_state
+  local lab_processes
+  read_state "$1"
+  ended=${lab_state[ended]:-}
+  [[ $ended =~ ^[0-9]+$ ]] && now && [ "$t" -ge "$ended" ] && [ $((t - ended)) -lt 10000 ]
 }
 
 # supervisor_lives DIR: sets supervisor to the pid in the run's state; fails unless that process is the run's supervisor. A
