@@ -1,4 +1,5 @@
-// JSON from and to text, compiled once: the library's parser and writer are templates. What is not UTF-8 is written as U+FFFD.
+// JSON from and to text, compiled once: the library's parser and writer are templates. Bytes that are not
+// UTF-8 are written as printable() shows them, so that two names stay two.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

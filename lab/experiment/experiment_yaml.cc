@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "core/util/number.h"
+#include "core/util/printable.h"
 #include "lab/experiment/keys.h"
 #include "lab/experiment/yaml_load.h"
 #include "lab/experiment/yaml_values.h"
@@ -216,7 +217,7 @@ Experiment parse_experiment(const std::string& text, const std::string& file,
                      " s is less than one step of " + number(experiment.simulator.dt) + " s");
   if (!faults.empty()) {
     std::string lines;
-    for (const std::string& fault : faults) lines += (lines.empty() ? "" : "\n") + fault;
+    for (const std::string& fault : faults) lines += (lines.empty() ? "" : "\n") + printable(fault);
     throw ExperimentError(lines);
   }
   if (!document.leaves.count("planner.duration")) experiment.planner.duration = experiment.simulator.duration;

@@ -12,6 +12,7 @@
 #include <iterator>
 
 #include "core/util/number.h"
+#include "core/util/printable.h"
 #include "lab/experiment/hash.h"
 #include "lab/experiment/joints.h"
 
@@ -50,7 +51,8 @@ void build_urdf(const Experiment& e, const std::string& text, const std::string&
   rbd::urdf::Loaded loaded = rbd::urdf::loadXML(text, options, file);
   std::string errors;
   for (const rbd::urdf::Diagnostic& d : loaded.diagnostics) {
-    if (d.severity == rbd::urdf::Severity::Error) errors += (errors.empty() ? "" : "\n") + d.text();
+    if (d.severity == rbd::urdf::Severity::Error)
+      errors += (errors.empty() ? "" : "\n") + printable(d.text());
     if (d.severity == rbd::urdf::Severity::Warning) robot.warnings.push_back(d.text());
   }
   if (!errors.empty()) throw ExperimentError(errors);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/util/printable.h"
+
 namespace lab::model {
 namespace {
 
@@ -114,7 +116,7 @@ std::string kind_of(const rbd::Model& model, rbd::JointIndex j) {
   std::string text = model.joints[j].shortname();
   if (!model.joints[j].mimics()) return text;
   const rbd::Mimic& mimic = model.mimic(j);
-  text += fmt::format(" = {:.4g} {}", mimic.multiplier, model.names[mimic.leader]);
+  text += fmt::format(" = {:.4g} {}", mimic.multiplier, printable_name(model.names[mimic.leader]));
   if (mimic.offset != 0)
     text += fmt::format(" {} {:.4g}", mimic.offset < 0 ? '-' : '+', std::abs(mimic.offset));
   return text;
@@ -152,20 +154,21 @@ std::string info_text(const Robot& robot) {
   const Eigen::Vector3d& g = model.gravity.linear();
   std::string out = fmt::format(
       "{}  ({})\nnq {}, nv {}, {} joints, {} frames, {:.6g} kg that move, gravity {:g} {:g} {:g}\n\n",
-      model.name, robot.file, model.nq, model.nv, model.njoints - 1, model.nframes, mass_of(model), g[0],
-      g[1], g[2]);
+      printable_name(model.name), robot.file, model.nq, model.nv, model.njoints - 1, model.nframes,
+      mass_of(model), g[0], g[1], g[2]);
   Table joints({"joint", "kind", ">q", ">v", ">lower", ">upper", ">speed", ">effort", ">kg"});
   for (int j = 1; j < model.njoints; ++j) {
     const rbd::JointModel& joint = model.joints[j];
     const int q = joint.idx_q(), nq = joint.nq(), v = joint.idx_v(), nv = joint.nv();
-    joints.add({model.names[j], kind_of(model, j), places(q, nq), places(v, nv),
+    joints.add({printable_name(model.names[j]), kind_of(model, j), places(q, nq), places(v, nv),
                 limit(model.lowerPositionLimit, q, nq), limit(model.upperPositionLimit, q, nq),
                 limit(model.upperVelocityLimit, v, nv), limit(model.upperEffortLimit, v, nv),
                 fmt::format("{:.4g}", model.inertias[j].mass())});
   }
   Table frames({"frame", "type", "moves with", ">kg"});
   for (const rbd::Frame& f : model.frames) {
-    frames.add({f.name, rbd::frameTypeName(f.type), model.names[f.parentJoint],
+    frames.add({printable_name(f.name), rbd::frameTypeName(f.type),
+                printable_name(model.names[f.parentJoint]),
                 f.inertia.mass() > 0 ? fmt::format("{:.4g}", f.inertia.mass()) : ""});
   }
   return out + joints.text() +

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/util/printable.h"
 #include "lab/model/describe.h"
 
 namespace lab::model {
@@ -32,7 +33,7 @@ rbd::FrameIndex link_of(const rbd::Model& model, const Children& children, rbd::
 }
 
 std::string label(const rbd::Model& model, const rbd::Frame& frame) {
-  std::string text = frame.name;
+  std::string text = printable_name(frame.name);
   if (frame.type == rbd::JOINT) text += " " + kind_of(model, frame.parentJoint);
   if (frame.type == rbd::FIXED_JOINT && frame.name != "universe") text += " fixed";
   if (frame.type == rbd::OP_FRAME) text += " (frame)";
@@ -53,8 +54,8 @@ std::string unowned(const rbd::Model& model, rbd::JointIndex joint) {
 
 std::string tree_text(const rbd::Model& model) {
   const Children children = children_of(model);
-  std::string out =
-      fmt::format("{}  nq {}, nv {}, {:.6g} kg that move\n", model.name, model.nq, model.nv, mass_of(model));
+  std::string out = fmt::format("{}  nq {}, nv {}, {:.6g} kg that move\n", printable_name(model.name),
+                                model.nq, model.nv, mass_of(model));
   const std::function<void(rbd::FrameIndex, const std::string&)> show = [&](rbd::FrameIndex f,
                                                                             const std::string& indent) {
     const rbd::Frame& frame = model.frames[f];

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/util/printable.h"
+
 namespace lab::page {
 namespace {
 
@@ -142,7 +144,7 @@ class Filler {
 
 std::string escape(std::string_view text) {
   std::string out;
-  for (char c : text) {
+  for (char c : printable_lines(text)) {
     switch (c) {
       case '&':
         out += "&amp;";

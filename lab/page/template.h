@@ -20,6 +20,7 @@ namespace lab::page {
 /// Texts by file name; embed_texts() of CMake makes a function that returns them.
 using Texts = std::map<std::string, std::string_view, std::less<>>;
 
+/// Text for HTML and SVG; hidden characters are made visible (core/util/printable.h).
 std::string escape(std::string_view text);
 
 /// texts[file], filled. Throws std::logic_error for a template that is wrong: a name without value, an open section.

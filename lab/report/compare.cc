@@ -7,6 +7,7 @@
 
 #include "core/util/json_text.h"
 #include "core/util/number.h"
+#include "core/util/printable.h"
 #include "lab/evaluation/tracking.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/page/page.h"
@@ -44,7 +45,7 @@ void find_joints(const std::vector<Folder>& runs, Comparison& out) {
   if (out.same_joints) return;
   std::string note = "The robots differ (";
   for (size_t i = 0; i < runs.size(); ++i)
-    note += (i ? ", " : "") + out.names[i] + ": " + runs[i].log().robot.model.name;
+    note += (i ? ", " : "") + out.names[i] + ": " + printable_name(runs[i].log().robot.model.name);
   out.notes.push_back(note + "), so figures over all joints mean nothing: compared are the tool and " +
                       (out.joints.empty() ? "nothing else, as no joint has the same name in all of them."
                                           : "the joints that have the same name in all of them: " +
@@ -97,13 +98,15 @@ void find_rows(const std::vector<Folder>& runs, Comparison& out) {
 }
 
 /// Cells in columns: the first to the left, the others to the right.
-std::string columns(const std::vector<std::vector<std::string>>& rows) {
+std::string columns(std::vector<std::vector<std::string>> rows) {
   std::vector<size_t> width;
   const auto letters = [](const std::string& text) {  // of UTF-8
     return static_cast<size_t>(
         std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
   };
-  for (const auto& row : rows) {
+  for (auto& row : rows) {
+    for (std::string& cell : row)
+      if (!cell.empty()) cell = printable_name(cell);
     width.resize(std::max(width.size(), row.size()));
     for (size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], letters(row[i]));
   }

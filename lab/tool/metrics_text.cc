@@ -7,6 +7,7 @@
 
 #include "core/util/json_text.h"
 #include "core/util/number.h"
+#include "core/util/printable.h"
 #include "lab/evaluation/metrics.h"
 
 namespace lab {
@@ -33,7 +34,8 @@ std::string joint_table(const json& all) {
   constexpr const char* kColumns[] = {"max_error",   "mean_error",    "rms_error",
                                       "final_error", "settling_time", "max_effort"};
   size_t width = 6;
-  for (const json& joint : all["joints"]) width = std::max(width, joint["name"].get<std::string>().size());
+  for (const json& joint : all["joints"])
+    width = std::max(width, printable_name(joint["name"].get<std::string>()).size());
   std::string out = fmt::format("{:<{}}", "joint", width + 2);
   for (const char* column : kColumns) out += fmt::format(" {:>13}", column);
   out += fmt::format("\n{:<{}}", "", width + 2);
@@ -44,7 +46,7 @@ std::string joint_table(const json& all) {
     for (const char* column : kColumns) out += fmt::format(" {:>13}", cell(row.value(column, json())));
     out += "\n";
   };
-  for (const json& joint : all["joints"]) add(joint["name"], joint);
+  for (const json& joint : all["joints"]) add(printable_name(joint["name"].get<std::string>()), joint);
   add("all", all);
   return out;
 }
@@ -59,7 +61,7 @@ std::string reach_line(const json& all) {
 
 std::string verdict_line(const json& verdict) {
   std::string out = fmt::format("{}{} {}", verdict["ok"].get<bool>() ? "ok      " : "FAILED  ",
-                                verdict["metric"].get<std::string>(), cell(verdict["value"]));
+                                printable(verdict["metric"].get<std::string>()), cell(verdict["value"]));
   if (verdict.contains("min")) out += ", at least " + cell(verdict["min"]);
   if (verdict.contains("max")) out += ", at most " + cell(verdict["max"]);
   const std::string unit = unit_of(verdict["metric"].get<std::string>());
@@ -74,9 +76,9 @@ std::string metrics_text(const json& all) {
     out += fmt::format("handbook's figure {} ({}), energy drift {} J\n", figure(all, "handbook_error"),
                        all["handbook_grade"].get<std::string>(), cell(all["energy_drift"]));
   if (all.contains("tool_frame") && all["tool_frame"].is_string())
-    out +=
-        fmt::format("tool {} within {} m and {} rad of its reference\n", all["tool_frame"].get<std::string>(),
-                    cell(all["max_tool_error"]), cell(all["max_tool_turn"]));
+    out += fmt::format("tool {} within {} m and {} rad of its reference\n",
+                       printable_name(all["tool_frame"].get<std::string>()), cell(all["max_tool_error"]),
+                       cell(all["max_tool_turn"]));
   if (!all["reaches"].empty()) out += reach_line(all);
   for (const json& verdict : all["verdicts"]) out += verdict_line(verdict);
   if (!all["complete"].get<bool>()) {

@@ -103,8 +103,7 @@ nlohmann::ordered_json to_json(const Value& value) {
     return out;
   }
   if (const auto* s = std::get_if<std::string>(&value.is)) {
-    // through text once, so that bytes that are not UTF-8 cannot make a later dump() throw
-    return parse_json(json_text(Json(*s))).get<std::string>();
+    return *s;
   }
   if (const auto* b = std::get_if<bool>(&value.is)) return *b;
   if (const auto* i = std::get_if<int64_t>(&value.is)) return *i;

@@ -31,7 +31,7 @@ struct Member {
 /// text that reads back to the same value.
 std::string to_text(const Value& value);
 
-/// The same as JSON; non-finite numbers become null, bytes that are not UTF-8 the replacement character.
+/// The same as JSON; non-finite numbers become null. Strings may hold any bytes: write them with json_text().
 nlohmann::ordered_json to_json(const Value& value);
 
 }  // namespace lab

@@ -13,11 +13,10 @@ TEST(JsonText, KeepsTheOrderOfAnOrderedObjectAndSortsTheOther) {
   EXPECT_EQ(json_text(nlohmann::json{{"a", 1}}, 2), "{\n  \"a\": 1\n}");
 }
 
-TEST(JsonText, WritesTextThatIsNotUtf8WithReplacements) {
-  EXPECT_EQ(json_text(nlohmann::json("a\xff"
-                                     "b")),
-            "\"a\xef\xbf\xbd"
-            "b\"");
+TEST(JsonText, ShowsBytesThatAreNotUtf8InStringsAndKeys) {
+  EXPECT_EQ(json_text(nlohmann::json("Ger\xe4t \x1b")), R"("Ger\\xe4t \u001b")");
+  EXPECT_EQ(json_text(nlohmann::ordered_json{{"b\xff", {1, "\xfe", nullptr}}, {"a", {{"k", "\xfd"}}}}),
+            R"({"b\\xff":[1,"\\xfe",null],"a":{"k":"\\xfd"}})");
 }
 
 TEST(JsonText, ReadsWhatItWrote) {
