@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/util/console.h"
 #include "core/util/exit_code.h"
 #include "core/util/json_text.h"
 #include "core/util/version.h"
@@ -71,12 +72,12 @@ std::string called(const std::string& program) {
 void complain(const std::string& program, const std::string& what) {
   const std::string name = called(program);
   std::stringstream lines(what);
-  for (std::string line; std::getline(lines, line);) fmt::print(stderr, "{}: {}\n", name, line);
+  for (std::string line; std::getline(lines, line);) say("{}: {}", name, line);
 }
 
 int refuse(const std::string& program, const std::string& why, int code) {
   complain(program, why);
-  if (wants_json) fmt::print("{}\n", json_text(nlohmann::ordered_json{{"error", why}, {"exit_code", code}}));
+  if (wants_json) emit("{}\n", json_text(nlohmann::ordered_json{{"error", why}, {"exit_code", code}}));
   return code;
 }
 

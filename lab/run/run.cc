@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 
+#include "core/util/console.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lcmtypes/texts.h"
 #include "wire/log/checked_log.h"
@@ -97,8 +98,7 @@ ReadLog log_reader(const std::string& log_path) {
     const LogFindings found = read_checked(path, [&](Channel channel, std::span<const uint8_t> message) {
       if (peek_run(message) == run) visit(channel, message);
     });
-    for (const LogDamage& damage : found.damages)
-      fmt::print(stderr, "{}: damaged: {}\n", path, text_of(damage));
+    for (const LogDamage& damage : found.damages) say("{}: damaged: {}", path, text_of(damage));
   };
 }
 

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "lab/experiment/experiment.h"
 #include "lab/run/run.h"
 
@@ -22,8 +23,11 @@ int guarded_main(const std::string& program, const std::function<int()>& work) {
   }
 }
 
-int follower_main(int argc, char** argv, const std::string& name,
-                  const std::function<std::unique_ptr<Role>(FollowerConfig, Publish)>& make_role) {
+namespace {
+
+using MakeRole = std::function<std::unique_ptr<Role>(FollowerConfig, Publish)>;
+
+int follow(int argc, char** argv, const std::string& name, const MakeRole& make_role) {
   CLI::App app{
       fmt::format("The {} of a lab: waits for RUN on the bus and follows the simulator to the end.", name),
       "lab-" + name};
@@ -54,6 +58,12 @@ int follower_main(int argc, char** argv, const std::string& name,
     const auto role = make_role(std::move(config), participant.publish());
     return participant.run(*role);
   });
+}
+
+}  // namespace
+
+int follower_main(int argc, char** argv, const std::string& name, const MakeRole& make_role) {
+  return run_program("lab-" + name, [&] { return follow(argc, argv, name, make_role); });
 }
 
 }  // namespace lab

@@ -10,10 +10,10 @@
 namespace lab {
 
 /// Runs `work` and turns what it throws into one line on stderr and an exit code: ExperimentError 3, BusError 7,
-/// anything else 1.
+/// anything else 1. Inside run_program (core/util/console.h), which every main begins with.
 int guarded_main(const std::string& program, const std::function<int()>& work);
 
-/// The main of a process that follows the simulator: parses --run-dir, --url, --prefix, --deadline, --ready.
+/// The whole main of a process that follows the simulator, run_program included: parses --run-dir, --url, --prefix, --deadline, --ready.
 int follower_main(int argc, char** argv, const std::string& name,
                   const std::function<std::unique_ptr<Role>(FollowerConfig, Publish)>& make_role);
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/util/atomic_file.h"
+#include "core/util/console.h"
 #include "core/util/interrupt.h"
 #include "core/util/progress.h"
 #include "core/util/shell_quote.h"
@@ -69,7 +70,7 @@ void run_on_slurm(const SlurmJob& job, Results& results, int64_t total, int64_t 
   const std::string id = output.text.substr(0, output.text.find(';'));
   if (output.code != 0 || id.find_first_not_of("0123456789") != std::string::npos || id.empty())
     throw std::runtime_error("sbatch failed: " + (output.text.empty() ? "no answer" : output.text));
-  if (!quiet) fmt::print(stderr, "lab sweep: Slurm job {} of {} tasks\n", id, job.tasks);
+  if (!quiet) say("lab sweep: Slurm job {} of {} tasks", id, job.tasks);
 
   Progress progress(total, {.line_name = "lab sweep", .quiet = quiet});
   const int64_t before = total - missing;

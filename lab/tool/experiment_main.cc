@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "core/util/exit_code.h"
 #include "lab/tool/experiment_verbs.h"
 #include "lab/tool/sweep_verb.h"
@@ -162,4 +163,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace lab
 
-int main(int argc, char** argv) { return lab::run(argc, argv); }
+int main(int argc, char** argv) {
+  return lab::run_program("lab-experiment", [&] { return lab::run(argc, argv); });
+}

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "core/util/atomic_file.h"
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "core/util/exit_code.h"
 #include "core/util/json_text.h"
 #include "core/util/number.h"
+#include "core/util/printable.h"
 #include "lab/check/check.h"
 #include "lab/check/unused.h"
 #include "lab/evaluation/evaluate.h"
@@ -62,9 +63,8 @@ int check_files(const Options& options) {
       one["steps"] = e.last_step();
       if (!options.as_json) {
         print_warnings(warnings);
-        std::cout << file << ": ok (" << robot.model.name << ", nq " << robot.model.nq << ", nv "
-                  << robot.model.nv << "; " << e.last_step() << " steps of " << number(e.simulator.dt)
-                  << " s)\n";
+        emit("{}: ok ({}, nq {}, nv {}; {} steps of {} s)\n", file, printable_name(robot.model.name),
+             robot.model.nq, robot.model.nv, e.last_step(), number(e.simulator.dt));
       }
     } catch (const std::exception& error) {
       one["ok"] = false;
@@ -74,7 +74,7 @@ int check_files(const Options& options) {
     }
     all.push_back(one);
   }
-  if (options.as_json) std::cout << json_text(all, 2) << "\n";
+  if (options.as_json) emit("{}\n", json_text(all, 2));
   return result;
 }
 
@@ -87,7 +87,7 @@ int resolve_file(const Options& options) {
   const std::string text = std::string(kAsRun) + "; made from " +
                            std::filesystem::path(options.file).filename().string() + ".\n" + resolve(e);
   if (options.out.empty() || options.out == "-")
-    std::cout << text;
+    emit_bytes(text);
   else
     write_atomically(options.out, text);
   return kOk;
@@ -96,7 +96,7 @@ int resolve_file(const Options& options) {
 int list_processes(const Options& options) {
   Experiment e = load_experiment(options.file, options.set);
   resolve_processes(e);
-  std::cout << procfile(e, options.run_dir, options.restart);
+  emit_bytes(procfile(e, options.run_dir, options.restart));
   return kOk;
 }
 
@@ -109,9 +109,9 @@ int evaluate_run(const Options& options) {
   all["run"] = hex(logged.id);
   write_atomically(options.run_dir + "/metrics.json", json_text(all, 2) + "\n");
   if (options.as_json)
-    std::cout << json_text(all, 2) << "\n";
+    emit("{}\n", json_text(all, 2));
   else
-    std::cout << metrics_text(all);
+    emit_text(metrics_text(all));
   return all["passed"].get<bool>() ? kOk : kCheckFailed;
 }
 
@@ -126,7 +126,7 @@ int write_manifest(Options options) {
   }
   const std::string text = json_text(manifest(options.run_dir, options.launch), 2) + "\n";
   write_atomically(options.run_dir + "/manifest.json", text);
-  if (options.as_json) std::cout << text;
+  if (options.as_json) emit_text(text);
   return kOk;
 }
 
@@ -137,7 +137,7 @@ int report_runs(const Options& options) {
     const report::Folder folder = report::read_folder(dir);
     if (!print_findings(folder)) result = kCheckFailed;
     write_atomically(path, report::run_page(folder));
-    std::cout << path << "\n";
+    emit("{}\n", path);
   }
   return result;
 }
@@ -152,9 +152,9 @@ int compare_runs(const Options& options) {
   const report::Comparison all = report::compare(runs);
   if (!options.out.empty()) write_atomically(options.out, report::compare_page(all, runs));
   if (options.as_json)
-    std::cout << json_text(compare_json(all), 2) << "\n";
+    emit("{}\n", json_text(compare_json(all), 2));
   else
-    std::cout << compare_text(all);
+    emit_text(compare_text(all));
   return result;
 }
 
@@ -178,14 +178,14 @@ int list_keys(const Options& options) {
     return refuse("lab-experiment",
                   "there is no key '" + options.files[0] + "'" + did_you_mean(options.files[0], names),
                   kUsage);
-  std::cout << (options.as_json ? json_text(all, 2) + "\n" : options.files.empty() ? key_table() : text);
+  emit_text(options.as_json ? json_text(all, 2) + "\n" : options.files.empty() ? key_table() : text);
   return kOk;
 }
 
 int tell_verdict(const Options& options) {
   const auto verdict = run_verdict(options.ended_run, options.name, options.code, options.reason);
   if (!options.junit.empty()) write_atomically(options.junit, junit(verdict));
-  if (options.as_json) std::cout << json_text(verdict, 2) << "\n";
+  if (options.as_json) emit("{}\n", json_text(verdict, 2));
   return kOk;
 }
 

@@ -1,13 +1,13 @@
 // lab-model: looks at a robot file without running anything.
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <iterator>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "core/util/exit_code.h"
 #include "core/util/json_text.h"
+#include "core/util/printable.h"
 #include "lab/model/describe.h"
 #include "lab/model/eval.h"
 #include "lab/model/robot.h"
@@ -25,13 +25,12 @@ struct Options {
   RobotOptions robot;
 };
 
-/// A name that is no UTF-8 is shown with marks in place of its odd bytes.
-void print(const ordered_json& value, int indent) { fmt::print("{}\n", json_text(value, indent)); }
+void print(const ordered_json& value, int indent) { emit("{}\n", json_text(value, indent)); }
 
 /// Errors always; warnings and notes on demand.
 void print(const std::vector<rbd::urdf::Diagnostic>& diagnostics, rbd::urdf::Severity least) {
   for (const rbd::urdf::Diagnostic& d : diagnostics)
-    if (d.severity >= least) fmt::print(stderr, "{}\n", d.text());
+    if (d.severity >= least) say("{}", printable(d.text()));
 }
 
 int check(const Options& options) {
@@ -52,8 +51,8 @@ int check(const Options& options) {
     }
     print(robot.diagnostics, options.notes ? rbd::urdf::Severity::Note : rbd::urdf::Severity::Warning);
     if (robot.ok())
-      fmt::print("{}: ok ({}, nq {}, nv {}, {:.6g} kg)\n", file, robot.model.name, robot.model.nq,
-                 robot.model.nv, mass_of(robot.model));
+      emit("{}: ok ({}, nq {}, nv {}, {:.6g} kg)\n", file, printable_name(robot.model.name), robot.model.nq,
+           robot.model.nv, mass_of(robot.model));
   }
   if (options.as_json) print(all, 2);
   return result;
@@ -65,7 +64,7 @@ int info(const Options& options, const Robot& robot) {
     return kOk;
   }
   print(robot.diagnostics, rbd::urdf::Severity::Warning);
-  fmt::print("{}", info_text(robot));
+  emit_text(info_text(robot));
   return kOk;
 }
 
@@ -73,7 +72,7 @@ int tree(const Options& options, const Robot& robot) {
   if (options.as_json)
     print(tree_json(robot.model), 2);
   else
-    fmt::print("{}", tree_text(robot.model));
+    emit_text(tree_text(robot.model));
   return kOk;
 }
 
@@ -82,7 +81,7 @@ int eval(const Robot& robot) {
   const Evaluation result = evaluate(robot.model, parse(text));
   for (const auto* lines : {&result.warnings, &result.errors})
     for (const std::string& line : *lines)
-      fmt::print(stderr, "lab-model: {}{}\n", lines == &result.warnings ? "warning: " : "", line);
+      say("lab-model: {}{}", lines == &result.warnings ? "warning: " : "", line);
   print(result.out, -1);
   return result.errors.empty() ? kOk : kCheckFailed;
 }
@@ -163,4 +162,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace lab::model
 
-int main(int argc, char** argv) { return lab::model::run(argc, argv); }
+int main(int argc, char** argv) {
+  return lab::run_program("lab-model", [&] { return lab::model::run(argc, argv); });
+}

@@ -1,7 +1,6 @@
 #include "lab/tool/sweep_verb.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@
 
 #include "core/util/atomic_file.h"
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "core/util/exit_code.h"
 #include "core/util/interrupt.h"
 #include "core/util/json_text.h"
@@ -57,12 +57,11 @@ void name_runs(const Sweep& sweep, const std::vector<Row>& rows, const char* wha
   for (size_t run = 0; run < rows.size(); ++run)
     if (match(rows[run])) runs.push_back(run);
   if (runs.empty()) return;
-  fmt::print(stderr, "{} of {} runs {}:\n", runs.size(), rows.size(), what);
+  say("{} of {} runs {}:", runs.size(), rows.size(), what);
   for (size_t i = 0; i < std::min(runs.size(), kMaxNamed); ++i)
-    fmt::print(stderr, "  run {} ({}): {}\n", runs[i], settings(sweep, static_cast<int64_t>(runs[i])),
-               rows[runs[i]].reason);
+    say("  run {} ({}): {}", runs[i], settings(sweep, static_cast<int64_t>(runs[i])), rows[runs[i]].reason);
   if (runs.size() > kMaxNamed)
-    fmt::print(stderr, "  .. and {} more: see column reason of sweep.csv\n", runs.size() - kMaxNamed);
+    say("  .. and {} more: see column reason of sweep.csv", runs.size() - kMaxNamed);
 }
 
 /// " rad, m"; "" for a metric without a unit.
@@ -82,15 +81,15 @@ int finish(const Sweep& sweep, const std::vector<Row>& rows, const Options& o) {
   if (o.as_json) {
     nlohmann::json all = summary(sweep, rows);
     all["folder"] = o.dir;
-    fmt::print("{}\n", json_text(all, 2));
+    emit("{}\n", json_text(all, 2));
   } else {
     for (size_t m = 0; m < sweep.metrics.size(); ++m)
       if (const Extremes found = extremes(rows, m); found.smallest >= 0)
-        fmt::print("  smallest {} {:.4g}{}: run {} ({})\n", sweep.metrics[m],
-                   rows[static_cast<size_t>(found.smallest)].metrics[m], unit_of(sweep.metrics[m]),
-                   found.smallest, settings(sweep, found.smallest));
-    fmt::print("sweep folder: {}\n  figures   sweep.csv ({} runs, {} complete), sweep.html\n", o.dir,
-               rows.size(), counts.complete);
+        emit("  smallest {} {:.4g}{}: run {} ({})\n", sweep.metrics[m],
+             rows[static_cast<size_t>(found.smallest)].metrics[m], unit_of(sweep.metrics[m]), found.smallest,
+             settings(sweep, found.smallest));
+    emit("sweep folder: {}\n  figures   sweep.csv ({} runs, {} complete), sweep.html\n", o.dir, rows.size(),
+         counts.complete);
   }
   return counts.unable > 0 ? kCheckFailed : kOk;
 }
@@ -115,13 +114,12 @@ int run_all(const Sweep& sweep, Workbench& bench, const Options& o, int64_t part
   }
   const int64_t missing = count(rows).missing;
   if (interrupted) {
-    fmt::print(stderr, "lab sweep: stopped with {} of {} runs done; the same command continues from there\n",
-               sweep.runs() - missing, sweep.runs());
+    say("lab sweep: stopped with {} of {} runs done; the same command continues from there",
+        sweep.runs() - missing, sweep.runs());
     return 128 + interrupted;
   }
   if (missing > 0) {
-    fmt::print(stderr, "lab sweep: {} of {} runs have no result; {}/slurm/*.out says why\n", missing,
-               sweep.runs(), o.dir);
+    say("lab sweep: {} of {} runs have no result; {}/slurm/*.out says why", missing, sweep.runs(), o.dir);
     return kCheckFailed;
   }
   return finish(sweep, rows, o);
@@ -138,7 +136,7 @@ int run(const Options& options) {
   Workbench bench(sweep);
   bench.check();
   if (o.dry_run) {
-    fmt::print("{}", o.as_json ? json_text(runs_as_json(sweep), 2) + "\n" : list_of_runs(sweep));
+    emit("{}", o.as_json ? json_text(runs_as_json(sweep), 2) + "\n" : list_of_runs(sweep));
     return kOk;
   }
   if (o.dir.empty()) o.dir = "sweep-" + sweep.name;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/util/console.h"
 #include "wire/log/log_reader.h"
 #include "wire/process/participant.h"
 #include "wire/schema/codec.h"
@@ -77,7 +78,7 @@ LogFiles::~LogFiles() {
   try {
     telemetry_->finish();
   } catch (const std::exception& error) {
-    fmt::print(stderr, "lab-logger: {}\n", error.what());
+    say("lab-logger: {}", error.what());
   }
 }
 

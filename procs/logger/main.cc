@@ -2,12 +2,15 @@
 #include <filesystem>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/run/shell.h"
 #include "procs/logger/log_files.h"
 #include "procs/logger/role.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App app{
       "The logger of a lab: writes log.lcm, whose bytes are what the simulator used, and telemetry.lcm.",
       "lab-logger"};
@@ -40,4 +43,10 @@ int main(int argc, char** argv) {
     const auto role = lab::logger::make_role(config, files, participant.publish());
     return participant.run(*role);
   });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return lab::run_program("lab-logger", [&] { return run(argc, argv); });
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/util/console.h"
 #include "core/util/number.h"
 #include "core/util/progress.h"
 #include "lab/experiment/experiment_yaml.h"
@@ -192,7 +193,7 @@ RunScene make_scene(const FromLog& job, const Experiment& experiment, const Robo
     extras.pushes.push_back(
         {push.time, push.time + push.duration, push.frame, {push.force[0], push.force[1], push.force[2]}});
   RunScene run(robot, experiment, std::move(extras));
-  for (const auto& warning : run.warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
+  for (const auto& warning : run.warnings()) say("lab-renderer: warning: {}", warning);
   if (job.strict && !run.warnings().empty())
     throw ExperimentError("--strict: the robot is not whole, so nothing is drawn");
   for (const Snapshot& snapshot : samples) run.remember(snapshot);
@@ -212,7 +213,7 @@ void draw_frames(const FromLog& job, const RunScene& run, const Moments& snapsho
       },
       [&](int64_t index) {
         progress.show(index + 1);
-        if (list_files && !progress.on_terminal()) fmt::print("{}\n", frame_path(folder, index));
+        if (list_files && !progress.on_terminal()) emit("{}\n", frame_path(folder, index));
       });
 }
 
@@ -220,7 +221,7 @@ void write_overview(const Moments& snapshots, const std::string& folder) {
   std::vector<double> times;
   for (const Snapshot& snapshot : snapshots) times.push_back(snapshot.time);
   write_contact_sheet_of(folder + "/contact.png", folder, times);
-  fmt::print("{}/contact.png\n", folder);
+  emit("{}/contact.png\n", folder);
 }
 
 /// The pictures of the whole run: contact sheet and ghosts.
@@ -236,13 +237,13 @@ void draw_overviews(const std::string& folder, RunScene& run, const Moments& for
     for (const Snapshot& snapshot : for_contact)
       pictures.push_back({thumbnail(painter.draw(run.shot(snapshot)).image), snapshot.time});
     write_contact_sheet(contact, pictures, about);
-    fmt::print("{}\n", contact);
+    emit("{}\n", contact);
   }
   if (ghosts > 0) {
     Picture picture = painter.draw(run.ghosts(ghosts));
     picture.texts.insert(picture.texts.begin(), about.begin(), about.end());
     render::write_png(ghost, picture.image, picture.texts);
-    fmt::print("{}\n", ghost);
+    emit("{}\n", ghost);
   }
 }
 
@@ -253,8 +254,7 @@ int render_log(const FromLog& job) {
   if (!job.folder.empty()) check_folder(job.folder);
   const std::string path = find_log(job.source);
   const Logged logged = survey(path);
-  for (const std::string& line : lines_of(logged.log))
-    fmt::print(stderr, "lab-renderer: {}: {}\n", path, line);
+  for (const std::string& line : lines_of(logged.log)) say("lab-renderer: {}: {}", path, line);
   std::string meshes;
   const Experiment experiment = experiment_of(job, logged, path, meshes);
   const Robot robot =
@@ -274,7 +274,7 @@ int render_log(const FromLog& job) {
     const auto count = static_cast<int64_t>(snapshots.size());
     Progress progress(count, bar("video"));
     write_video(job.video, folder, count, plan.fps, "run " + id, [&](int64_t done) { progress.show(done); });
-    fmt::print("{}\n", job.video);
+    emit("{}\n", job.video);
   }
   draw_overviews(job.folder, run, moments_of(read, plan.cells), plan.ghosts, {{"run", id}});
   return logged.log.complete() || (logged.log.sound() && is_being_written(path)) ? kOk : kCheckFailed;

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/run/shell.h"
 #include "procs/renderer/from_log.h"
@@ -89,9 +90,7 @@ void check_together(const FromLog& job, const LogOptions& options) {
     throw CLI::ValidationError("--video", "is made at a rate (--fps), not of single --times");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app{
       "Draws the robot of a run: live beside it (--run-dir), or afterwards from a log or a run folder.",
       "lab-renderer"};
@@ -125,4 +124,10 @@ int main(int argc, char** argv) {
     lab::renderer::RendererRole role(experiment, run_dir, participant.publish());
     return participant.run(role);
   });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return lab::run_program("lab-renderer", [&] { return run(argc, argv); });
 }

@@ -11,6 +11,7 @@
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
 
+#include "core/util/console.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "render/png.h"
 #include "wire/log/log_writer.h"
@@ -118,7 +119,7 @@ void RendererRole::on_run(std::span<const uint8_t> bytes) {
   sampled_ = -sample_gap_;
   realtime_ = experiment.simulator.clock == "realtime";
   scene_ = std::make_unique<RunScene>(*robot_, experiment);
-  for (const auto& warning : scene_->warnings()) fmt::print(stderr, "lab-renderer: warning: {}\n", warning);
+  for (const auto& warning : scene_->warnings()) say("lab-renderer: warning: {}", warning);
   if (!realtime_) plan(experiment.last_step());
   painter_ = std::make_unique<Painter>(*scene_);
   about_ = {{"run", fmt::format("{:016x}", static_cast<uint64_t>(message.run))},

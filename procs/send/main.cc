@@ -17,6 +17,7 @@
 #include <optional>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "core/util/json_text.h"
 #include "lab/run/run.h"
 #include "lab/run/shell.h"
@@ -110,8 +111,8 @@ int refusal(const Options& options, const Action& action, const std::optional<re
   if (interrupted) return 128 + interrupted;
   if (reply && reply->ok) return kOk;
   if (options.as_json)
-    fmt::print("{}\n", json_text(reply ? to_json(action, *reply)
-                                       : ordered_json{{"verb", action.verb}, {"confirmed", false}}));
+    emit("{}\n", json_text(reply ? to_json(action, *reply)
+                                 : ordered_json{{"verb", action.verb}, {"confirmed", false}}));
   if (reply)
     complain("lab-send", told(action, *reply));
   else
@@ -123,7 +124,7 @@ int refusal(const Options& options, const Action& action, const std::optional<re
 int request(Guest& guest, const Options& options, const Action& action) {
   const auto reply = ask(guest, action).reply;
   if (const int code = refusal(options, action, reply)) return code;
-  fmt::print("{}\n", options.as_json ? json_text(to_json(action, *reply)) : told(action, *reply));
+  emit("{}\n", options.as_json ? json_text(to_json(action, *reply)) : told(action, *reply));
   return kOk;
 }
 
@@ -161,9 +162,9 @@ int request_and_wait(Guest& guest, const Options& options, const Action& action,
       said["reached_step"] = arrival.step();
     else
       said["reason"] = arrival.why_not();
-    fmt::print("{}\n", json_text(said));
+    emit("{}\n", json_text(said));
   } else if (arrival.reached()) {
-    fmt::print("goal reached after {:.3f} s, at step {}\n", arrival.seconds(), arrival.step());
+    emit("goal reached after {:.3f} s, at step {}\n", arrival.seconds(), arrival.step());
   }
   if (!arrival.reached()) complain("lab-send", "goal not reached: " + arrival.why_not());
   return arrival.reached() ? kOk : kCheckFailed;
@@ -182,14 +183,14 @@ int get(Guest& guest, const Options& options, const Words& words) {
     if (!wanted.empty() && setting.name != wanted && !setting.name.starts_with(wanted + ".")) continue;
     all[setting.name] = {{"value", setting.value}, {"unit", setting.unit}};
     if (!options.as_json)
-      fmt::print("{}", words.assignment.empty() ? fmt::format("{:<28} {}{}{}\n", setting.name, setting.value,
-                                                              setting.unit.empty() ? "" : " ", setting.unit)
-                                                : setting.value + "\n");
+      emit("{}", words.assignment.empty() ? fmt::format("{:<28} {}{}{}\n", setting.name, setting.value,
+                                                        setting.unit.empty() ? "" : " ", setting.unit)
+                                          : setting.value + "\n");
   }
   if (all.empty())
     throw UsageError(fmt::format("get: there is no '{}'{} (there are {})", wanted,
                                  did_you_mean(wanted, names), list_of(names)));
-  if (options.as_json) fmt::print("{}\n", json_text(all, 2));
+  if (options.as_json) emit("{}\n", json_text(all, 2));
   return kOk;
 }
 
@@ -348,4 +349,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace lab::send
 
-int main(int argc, char** argv) { return lab::send::run(argc, argv); }
+int main(int argc, char** argv) {
+  return lab::run_program("lab-send", [&] { return lab::send::run(argc, argv); });
+}

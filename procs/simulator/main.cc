@@ -3,12 +3,15 @@
 #include <CLI/CLI.hpp>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/run/shell.h"
 #include "procs/simulator/role.h"
 #include "wire/protocol/lateness.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App app{
       "The simulator of a lab: publishes RUN, waits for the other processes, and leads the run step by step.",
       "lab-simulator"};
@@ -38,11 +41,17 @@ int main(int argc, char** argv) {
     if (code == lab::kOk && role->restart_requested()) code = lab::kAgain;
     const double seconds = static_cast<double>(role->running_time()) * 1e-6;
     if (role->step() > 0 && seconds > 0)
-      fmt::print("{} steps in {:.6f} s, {:.0f} steps/s\n", role->step(), seconds,
-                 static_cast<double>(role->step()) / seconds);
+      lab::emit("{} steps in {:.6f} s, {:.0f} steps/s\n", role->step(), seconds,
+                static_cast<double>(role->step()) / seconds);
     if (const lab::Lateness* late = role->lateness(); late && late->ticks() > 0)
-      fmt::print("ticks late by {} us (p50), {} us (p99), {} us at most; {} overruns\n", late->quantile(0.5),
-                 late->quantile(0.99), late->longest(), role->overruns());
+      lab::emit("ticks late by {} us (p50), {} us (p99), {} us at most; {} overruns\n", late->quantile(0.5),
+                late->quantile(0.99), late->longest(), role->overruns());
     return code;
   });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return lab::run_program("lab-simulator", [&] { return run(argc, argv); });
 }

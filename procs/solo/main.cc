@@ -3,13 +3,16 @@
 #include <CLI/CLI.hpp>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "core/util/interrupt.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/run/shell.h"
 #include "procs/logger/log_files.h"
 #include "procs/solo/solo.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App app{
       "Runs an experiment in one process, without a bus: log.lcm gets the same bytes as from separate "
       "processes.",
@@ -37,4 +40,10 @@ int main(int argc, char** argv) {
            : lab::interrupted            ? 128 + lab::interrupted
                                          : lab::kOk;
   });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return lab::run_program("lab-solo", [&] { return run(argc, argv); });
 }

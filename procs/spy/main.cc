@@ -11,8 +11,10 @@
 #include <set>
 
 #include "core/util/command_line.h"
+#include "core/util/console.h"
 #include "core/util/interrupt.h"
 #include "core/util/json_text.h"
+#include "core/util/printable.h"
 #include "lab/run/shell.h"
 #include "procs/spy/periods.h"
 #include "procs/spy/types.h"
@@ -107,8 +109,8 @@ int list(const Options& options) {
   const double span = static_cast<double>(monotonic_now() - began) * 1e-6;
   ordered_json all = ordered_json::array();
   if (!options.as_json)
-    fmt::print("{:<24} {:<22} {:>8} {:>9} {:>10} {:>10} {:>10} {:>7} {:>5}\n", "channel", "type", "count",
-               "hz", "bytes/s", "min ms", "max ms", "senders", "lost");
+    emit("{:<24} {:<22} {:>8} {:>9} {:>10} {:>10} {:>10} {:>7} {:>5}\n", "channel", "type", "count", "hz",
+         "bytes/s", "min ms", "max ms", "senders", "lost");
   for (const auto& [name, seen] : channels) {
     const auto [least, most, hz] = periods(seen.times, span);
     const double rate = static_cast<double>(seen.bytes) / span;
@@ -123,11 +125,11 @@ int list(const Options& options) {
                      {"senders", seen.senders.size()},
                      {"lost", seen.lost}});
     else
-      fmt::print("{:<24} {:<22} {:>8} {:>9.1f} {:>10.0f} {:>10.3f} {:>10.3f} {:>7} {:>5}\n", name, seen.type,
-                 seen.times.size(), hz, rate, static_cast<double>(least) * 1e-3,
-                 static_cast<double>(most) * 1e-3, seen.senders.size(), seen.lost);
+      emit("{:<24} {:<22} {:>8} {:>9.1f} {:>10.0f} {:>10.3f} {:>10.3f} {:>7} {:>5}\n", printable_name(name),
+           printable_name(seen.type), seen.times.size(), hz, rate, static_cast<double>(least) * 1e-3,
+           static_cast<double>(most) * 1e-3, seen.senders.size(), seen.lost);
   }
-  if (options.as_json) fmt::print("{}\n", json_text(all, 2));
+  if (options.as_json) emit("{}\n", json_text(all, 2));
   return code;
 }
 
@@ -150,13 +152,13 @@ void show(const Options& options, const Types& types, const Datagram& datagram) 
                                 : "unknown type " + type_name(types, datagram);
   if (!type || !fault.empty()) {
     if (options.as_json)
-      fmt::print("{}\n", json_text(ordered_json{{"channel", datagram.channel},
-                                                {"size", datagram.data.size()},
-                                                {"error", fault},
-                                                {"head", head_of(datagram.data)}}));
+      emit("{}\n", json_text(ordered_json{{"channel", datagram.channel},
+                                          {"size", datagram.data.size()},
+                                          {"error", fault},
+                                          {"head", head_of(datagram.data)}}));
     else
-      fmt::print("{} ({} bytes): {}: {}\n", datagram.channel, datagram.data.size(), fault,
-                 head_of(datagram.data));
+      emit("{} ({} bytes): {}: {}\n", printable_name(datagram.channel), datagram.data.size(), fault,
+           head_of(datagram.data));
     return;
   }
   const Value value = types.schema().decode(*type, datagram.data);
@@ -174,15 +176,16 @@ void show(const Options& options, const Types& types, const Datagram& datagram) 
       found[field] = to_json(*part);
       line += (line.empty() ? "" : " ") + json_text(to_json(*part));
     }
-    fmt::print("{}\n", options.as_json ? json_text(found) : line);
+    emit("{}\n", options.as_json ? json_text(found) : line);
   } else if (options.as_json) {
-    fmt::print("{}\n", json_text(ordered_json{{"channel", datagram.channel},
-                                              {"type", type->name},
-                                              {"size", datagram.data.size()},
-                                              {"utime_wall", wall_now()},
-                                              {"message", to_json(value)}}));
+    emit("{}\n", json_text(ordered_json{{"channel", datagram.channel},
+                                        {"type", type->name},
+                                        {"size", datagram.data.size()},
+                                        {"utime_wall", wall_now()},
+                                        {"message", to_json(value)}}));
   } else {
-    fmt::print("{} ({}, {} bytes)\n{}\n", datagram.channel, type->name, datagram.data.size(), to_text(value));
+    emit("{} ({}, {} bytes)\n{}\n", printable_name(datagram.channel), printable_name(type->name),
+         datagram.data.size(), to_text(value));
   }
 }
 
@@ -195,7 +198,7 @@ int echo(const Options& options) {
     learn_from(types, datagram);
     if (fnmatch(options.channel.c_str(), std::string(datagram.channel).c_str(), 0) != 0) return true;
     show(options, types, datagram);
-    fflush(stdout);
+    flush_output();
     return ++shown != most;
   };
   // both bound the whole time; only --for makes an end without enough messages a good one
@@ -232,8 +235,8 @@ int who(const Options& options) {
   if (code == 124) return code;
   ordered_json all = ordered_json::array();
   if (!options.as_json)
-    fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9} {:>8} {:>8} {:>8} {:>9} {:>8}\n", "name", "state", "pid",
-               "step", "steps/s", "p50 us", "p99 us", "max us", "overruns", "dropped");
+    emit("{:<12} {:<9} {:>8} {:>10} {:>9} {:>8} {:>8} {:>8} {:>9} {:>8}\n", "name", "state", "pid", "step",
+         "steps/s", "p50 us", "p99 us", "max us", "overruns", "dropped");
   for (const auto& [key, life] : lives) {
     const process_t &a = life.first, &z = life.last;
     const double span = static_cast<double>(z.utime - a.utime) * 1e-6;
@@ -261,11 +264,11 @@ int who(const Options& options) {
                      {"run", fmt::format("{:016x}", static_cast<uint64_t>(z.run))},
                      {"model_hash", fmt::format("{:016x}", static_cast<uint64_t>(z.model_hash))}});
     else
-      fmt::print("{:<12} {:<9} {:>8} {:>10} {:>9.0f} {:>8.0f} {:>8.0f} {:>8.0f} {:>9} {:>8}\n", z.name,
-                 z.state, z.pid, z.step, rate, p50, p99, most, z.overruns,
-                 z.rejected + z.foreign + z.malformed + std::max<int64_t>(z.overflow, 0));
+      emit("{:<12} {:<9} {:>8} {:>10} {:>9.0f} {:>8.0f} {:>8.0f} {:>8.0f} {:>9} {:>8}\n",
+           printable_name(z.name), printable_name(z.state), z.pid, z.step, rate, p50, p99, most, z.overruns,
+           z.rejected + z.foreign + z.malformed + std::max<int64_t>(z.overflow, 0));
   }
-  if (options.as_json) fmt::print("{}\n", json_text(all, 2));
+  if (options.as_json) emit("{}\n", json_text(all, 2));
   return code;
 }
 
@@ -323,4 +326,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace lab::spy
 
-int main(int argc, char** argv) { return lab::spy::run(argc, argv); }
+int main(int argc, char** argv) {
+  return lab::run_program("lab-spy", [&] { return lab::spy::run(argc, argv); });
+}

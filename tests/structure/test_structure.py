@@ -11,6 +11,7 @@ import tempfile
 import unittest
 from unittest import mock
 
+import output
 import rooms
 import sizes
 import tidy
@@ -200,6 +201,48 @@ class Tidy(unittest.TestCase):
         self.assertEqual(code, 0)
         self.assertIn("0 checked in 0 s, 0 findings; 3 files are left for the next run", out[-1])
         self.assertIn("3 checked", self.check(seconds=0, full=True)[1][-1])
+
+
+class Output(unittest.TestCase):
+    GOOD = {
+        "core/util/console.cc": "void f() { fwrite(p, 1, n, stdout); }\n",
+        "lab/a/a.cc": 'void f() { emit("{}\\n", "std::cout"); }  // not fmt::print\n',
+        "procs/p/main.cc": 'int main(int argc, char** argv) {\n  return lab::run_program("p", run);\n}\n',
+        "examples/e.cc": "int main() {\n  std::cout << 1;\n  return roads.exit_code();\n}\n",
+        "scripts/lib.sh": "trap 'cleanup' EXIT\n",
+        "scripts/lab-a": '. "$(dirname "$0")/lib.sh"\n# not $SECONDS\nexpires_in 3\n',
+        "scripts/lab-b": "import lib\nlib.run(main)\n",
+    }
+
+    def faults(self, **changed):
+        with tempfile.TemporaryDirectory() as root:
+            for file, text in {**self.GOOD, **changed}.items():
+                os.makedirs(os.path.join(root, os.path.dirname(file)), exist_ok=True)
+                with open(os.path.join(root, file), "w", encoding="utf-8") as f:
+                    f.write(text)
+            return output.faults(root)
+
+    def test_one_way_to_write(self):
+        self.assertEqual(self.faults(), [])
+        for text in ('std::cout << 1;', 'fmt::print("x");', 'fmt::print(stderr, "x");', 'std::fputs("x", f);', "perror(p);"):
+            found = self.faults(**{"lab/a/a.cc": f"void f() {{ {text} }}\n"})
+            self.assertEqual(len(found), 1, (text, found))
+            self.assertIn("lab/a/a.cc:1:", found[0])
+
+    def test_every_main_has_the_frame(self):
+        self.assertEqual(self.faults(**{"procs/p/main.cc": "int main() { return 0; }\n"}),
+                         ["procs/p/main.cc: main does not run inside run_program (core/util/console.h)"])
+        self.assertEqual(len(self.faults(**{"examples/e.cc": "int main() { return 0; }\n"})), 1)
+
+    def test_every_verb_has_the_library(self):
+        self.assertEqual(self.faults(**{"scripts/lab-c": "echo\n"}), ["scripts/lab-c: neither lib.sh nor lib.py"])
+
+    def test_one_exit_trap_and_no_wall_clock(self):
+        library = self.GOOD["scripts/lab-a"]
+        for line in ("trap 'rm x' EXIT", "end=$((SECONDS + 3))", "[ $SECONDS -lt 3 ]", "a=${EPOCHREALTIME//[!0-9]/}", "t = time.time()"):
+            found = self.faults(**{"scripts/lab-a": library + line + "\n"})
+            self.assertEqual(len(found), 1, (line, found))
+            self.assertIn("scripts/lab-a:4:", found[0])
 
 
 if __name__ == "__main__":

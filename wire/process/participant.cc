@@ -15,6 +15,7 @@
 #include <lab/process_t.hpp>
 #include <sstream>
 
+#include "core/util/console.h"
 #include "core/util/interrupt.h"
 #include "wire/process/launch_record.h"
 #include "wire/protocol/lateness.h"
@@ -110,9 +111,8 @@ void go_realtime(const std::string& name, int urgency) {
   if (sched_setscheduler(0, SCHED_FIFO, &wanted) < 0) missing = "SCHED_FIFO";
   if (mlockall(MCL_CURRENT | MCL_FUTURE) < 0) missing += missing.empty() ? "mlockall" : " and mlockall";
   if (!missing.empty())
-    fmt::print(stderr,
-               "lab-{}: not permitted to use {}: ticks come later under load (see scripts/lab doctor)\n",
-               name, missing);
+    say("lab-{}: not permitted to use {}: ticks come later under load (see scripts/lab doctor)", name,
+        missing);
 }
 
 int64_t launch_nonce() {
@@ -153,7 +153,7 @@ void Participant::note_stranger(Channel channel, const std::string& reason, Role
   // before the first step, a process of our own may speak before the supervisor has recorded it
   if (role.step() < 0 || now < next_complaint_) return;
   next_complaint_ = now + 1'000'000;
-  fmt::print(stderr, "lab-{}: ignored {}\n", options_.name, last_rejected_);
+  say("lab-{}: ignored {}", options_.name, last_rejected_);
 }
 
 /// Another lab's PROCESS, which has passed the guard's schema.
@@ -235,7 +235,7 @@ int Participant::run(Role& role) {
   Micros next_process = 0;
   bool stopping = false, urgent = false;
   const auto finish = [&](int exit_code, const std::string& reason) {
-    if (!reason.empty()) fmt::print(stderr, "lab-{}: {}\n", options_.name, reason);
+    if (!reason.empty()) say("lab-{}: {}", options_.name, reason);
     return exit_code;
   };
   try {
