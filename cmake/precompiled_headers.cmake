@@ -2,8 +2,7 @@
 # precompiled headers, all other targets reuse them. Headers of our own stay out, because g++ does not warn about what stands
 # in a precompiled header.
 #
-# lab_precompiled(FOR target..): FOR is library (full optimisation), program (a command line and what only such use: -O1 is
-# enough for CLI11's templates, and they compute nothing) or test.
+# lab_precompiled(FOR target..): FOR is library (full optimisation), program (what only people wait for: -O1) or test.
 
 # ccache needs -fpch-preprocess to see what a precompiled header was made from. clang (preset fuzz) goes without them.
 # -Wno-stringop-overflow: the same false warnings as -Wno-restrict (GCC bug 105651); g++ 12 hides them in system headers only
@@ -14,17 +13,14 @@ else()
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
 
-find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 set(COMMON_HEADERS <algorithm> <cmath> <functional> <map> <memory> <optional> <span> <stdexcept> <string> <vector>
                    <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp>)
-set(PROGRAM_HEADERS <CLI/CLI.hpp>)
 set(TEST_HEADERS <gtest/gtest.h>)
 # -fPIC: programs would be compiled with -fPIE, and could not share with libraries
 set(PROGRAM_FLAGS $<$<CONFIG:Release>:-O1> -fPIC)
 set(TEST_FLAGS ${PROGRAM_FLAGS})
-set(PROGRAM_LIBS CLI11::CLI11)
 # g++ refuses a precompiled header when a macro that occurs in it is defined differently: GTEST_HAS_PTHREAD, FMT_SHARED
 set(TEST_LIBS GTest::gtest)
 add_compile_definitions(FMT_SHARED)

@@ -45,10 +45,11 @@ std::string unexpected_word(const CLI::App& app, int argc, char** argv) {
 std::string mistake(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const bool outside = &innermost(app) == &app;
   const std::string verbs = outside ? names_of_verbs(app) : "";
-  const bool no_verb = !verbs.empty() && dynamic_cast<const CLI::RequiredError*>(&error);
-  const std::string word =
-      no_verb || dynamic_cast<const CLI::ExtrasError*>(&error) ? unexpected_word(app, argc, argv) : "";
+  const bool missing = dynamic_cast<const CLI::RequiredError*>(&error), no_verb = !verbs.empty() && missing;
+  std::string word =
+      missing || dynamic_cast<const CLI::ExtrasError*>(&error) ? unexpected_word(app, argc, argv) : "";
   if (word.starts_with("-")) return "unknown option '" + word + "'";
+  if (missing && !no_verb) word.clear();
   if (!word.empty() && !verbs.empty()) return "there is no verb '" + word + "'; there are " + verbs;
   if (!word.empty()) return "unexpected argument '" + word + "'";
   if (no_verb) return "no verb given; there are " + verbs;
@@ -81,7 +82,78 @@ int refuse(const std::string& program, const std::string& why, int code) {
   return code;
 }
 
-std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
+Option Option::required() { return Option(option_->required()); }
+Option Option::needs(Option other) { return Option(option_->needs(other.option_)); }
+Option Option::excludes(Option other) { return Option(option_->excludes(other.option_)); }
+Option Option::env(const std::string& variable) { return Option(option_->envname(variable)); }
+Option Option::show_default() { return Option(option_->capture_default_str()); }
+Option Option::positive() { return Option(option_->check(CLI::PositiveNumber)); }
+Option Option::range(double least, double most) { return Option(option_->check(CLI::Range(least, most))); }
+Option Option::one_of(std::vector<std::string> words) {
+  return Option(option_->check(CLI::IsMember(std::move(words))));
+}
+Option Option::check(std::function<std::string(const std::string&)> fault) {
+  return Option(option_->check(std::move(fault)));
+}
+Option Option::one_word() { return Option(option_->allow_extra_args(false)); }
+Option Option::many_words() { return Option(option_->allow_extra_args()); }
+Option Option::count(int least, int most) { return Option(option_->expected(least, most)); }
+Option Option::separated_by(char character) { return Option(option_->delimiter(character)); }
+bool Option::given() const { return option_->count() > 0; }
+
+CommandLine::CommandLine(const std::string& program, const std::string& purpose)
+    : app_(std::make_shared<CLI::App>(purpose, program)) {}
+
+template <typename T>
+Option CommandLine::option(const std::string& names, T& value, const std::string& help) {
+  return Option(app_->add_option(names, value, help));
+}
+template Option CommandLine::option(const std::string&, std::string&, const std::string&);
+template Option CommandLine::option(const std::string&, int&, const std::string&);
+template Option CommandLine::option(const std::string&, int64_t&, const std::string&);
+template Option CommandLine::option(const std::string&, double&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<int64_t>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<std::string>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<double>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::vector<double>&, const std::string&);
+
+Option CommandLine::read(const std::string& names, std::function<std::string(const std::string&)> take,
+                         const std::string& help) {
+  const auto each = [names, take = std::move(take)](const std::string& word) {
+    if (const std::string fault = take(word); !fault.empty()) throw CLI::ValidationError(names, fault);
+  };
+  return Option(app_->add_option(names, help)->each(each));
+}
+
+Option CommandLine::flag(const std::string& names, bool& value, const std::string& help) {
+  return Option(app_->add_flag(names, value, help));
+}
+
+CommandLine CommandLine::verb(const std::string& name, const std::string& what) {
+  return CommandLine(std::shared_ptr<CLI::App>(app_, app_->add_subcommand(name, what)));
+}
+void CommandLine::needs_verb() { app_->require_subcommand(1); }
+void CommandLine::options_behind_verbs() { app_->fallthrough(); }
+void CommandLine::options_between_words() { app_->positionals_at_end(false); }
+void CommandLine::footer(const std::string& text) { app_->footer(text); }
+void CommandLine::check(std::function<std::string()> fault) {
+  app_->final_callback([fault = std::move(fault)] {
+    if (const std::string text = fault(); !text.empty()) throw CLI::ValidationError(text);
+  });
+}
+
+std::string CommandLine::chosen() const {
+  const auto verbs = app_->get_subcommands();
+  return verbs.empty() ? "" : verbs.front()->get_name();
+}
+
+std::optional<int> CommandLine::parse(int argc, char** argv) {
+  CLI::App& app = *app_;
+  if (const auto verbs = app.get_subcommands([](const CLI::App*) { return true; });
+      !verbs.empty() && app.get_require_subcommand_min() == 0)
+    app.require_subcommand(0, 1);
+  app.get_formatter()->column_width(34);
   app.set_version_flag("--version", app.get_name() + " " + kVersion + " (commit " + commit() + ")");
   for (int i = 1; i < argc; ++i) wants_json |= std::string(argv[i]) == "--json";
   try {

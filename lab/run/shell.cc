@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
 #include "core/util/command_line.h"
 #include "core/util/console.h"
 #include "lab/experiment/experiment.h"
@@ -28,10 +26,10 @@ namespace {
 using MakeRole = std::function<std::unique_ptr<Role>(FollowerConfig, Publish)>;
 
 int follow(int argc, char** argv, const std::string& name, const MakeRole& make_role) {
-  CLI::App app{
-      fmt::format("The {} of a lab: waits for RUN on the bus and follows the simulator to the end.", name),
-      "lab-" + name};
-  app.footer(fmt::format("example: lab-{} --run-dir runs/latest", name));
+  CommandLine line(
+      "lab-" + name,
+      fmt::format("The {} of a lab: waits for RUN on the bus and follows the simulator to the end.", name));
+  line.footer(fmt::format("example: lab-{} --run-dir runs/latest", name));
   ParticipantOptions options{.name = name,
                              .url = "",
                              .prefix = "",
@@ -40,15 +38,15 @@ int follow(int argc, char** argv, const std::string& name, const MakeRole& make_
   if (name == kController) options.channels.push_back(Channel::Reference);
   std::string run_dir;
   double deadline = 10, ready = 10;
-  app.add_option("--run-dir", run_dir, "the run's folder: lets a restarted process catch up from its log")
-      ->envname("LAB_RUN_DIR");
-  app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
-      ->envname("LAB_PREFIX");
-  app.add_option("--deadline", deadline, "s without a message from the simulator that end the process")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);
-  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  line.option("--run-dir", run_dir, "the run's folder: lets a restarted process catch up from its log")
+      .env("LAB_RUN_DIR");
+  line.option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
+      .env("LAB_PREFIX");
+  line.option("--deadline", deadline, "s without a message from the simulator that end the process")
+      .positive();
+  line.option("--ready", ready, "s to wait for RUN").positive();
+  if (const auto code = line.parse(argc, argv)) return *code;
   return guarded_main("lab-" + name, [&] {
     Participant participant(options);
     FollowerConfig config;

@@ -1,6 +1,4 @@
 // lab-experiment: checks experiments, evaluates runs, makes reports. Scripts call it, so that they need not read YAML.
-#include <CLI/CLI.hpp>
-
 #include "core/util/command_line.h"
 #include "core/util/console.h"
 #include "core/util/exit_code.h"
@@ -15,97 +13,93 @@ struct AllOptions : Options {
 };
 
 // options that several verbs have
-void add_file(CLI::App& verb, Options& o) { verb.add_option("experiment", o.file, "YAML file")->required(); }
-void add_set(CLI::App& verb, Options& o) {
-  verb.add_option("--set", o.set, "key=value over what the file says, such as controller.kp=80")
-      ->allow_extra_args(false);
+void add_file(CommandLine& verb, Options& o) { verb.option("experiment", o.file, "YAML file").required(); }
+void add_set(CommandLine& verb, Options& o) {
+  verb.option("--set", o.set, "key=value over what the file says, such as controller.kp=80").one_word();
 }
-void add_run_dir(CLI::App& verb, Options& o) {
-  verb.add_option("run", o.run_dir, "folder of a run")->required();
+void add_run_dir(CommandLine& verb, Options& o) {
+  verb.option("run", o.run_dir, "folder of a run").required();
 }
-void add_json(CLI::App& verb, Options& o) { verb.add_flag("--json", o.as_json, "print JSON"); }
+void add_json(CommandLine& verb, Options& o) { verb.flag("--json", o.as_json, "print JSON"); }
 
-void check_options(CLI::App& verb, AllOptions& o) {
-  verb.add_option("experiments", o.files, "YAML files")->required();
+void check_options(CommandLine& verb, AllOptions& o) {
+  verb.option("experiments", o.files, "YAML files").required();
   add_set(verb, o);
   add_json(verb, o);
 }
 
-void resolve_options(CLI::App& verb, AllOptions& o) {
+void resolve_options(CommandLine& verb, AllOptions& o) {
   add_file(verb, o);
   add_set(verb, o);
-  verb.add_option("-o,--output", o.out, "file to write instead of printing");
+  verb.option("-o,--output", o.out, "file to write instead of printing");
   add_json(verb, o);
 }
 
-void processes_options(CLI::App& verb, AllOptions& o) {
+void processes_options(CommandLine& verb, AllOptions& o) {
   add_file(verb, o);
   add_set(verb, o);
-  verb.add_option("--run-dir", o.run_dir, "folder of the run; it holds experiment.yaml")
-      ->capture_default_str();
-  verb.add_option("--restart", o.restart, "policy of all but the simulator")
-      ->check(CLI::IsMember({"never", "on-failure", "always"}))
-      ->capture_default_str();
+  verb.option("--run-dir", o.run_dir, "folder of the run; it holds experiment.yaml").show_default();
+  verb.option("--restart", o.restart, "policy of all but the simulator")
+      .one_of({"never", "on-failure", "always"})
+      .show_default();
 }
 
-void evaluate_options(CLI::App& verb, AllOptions& o) {
+void evaluate_options(CommandLine& verb, AllOptions& o) {
   add_run_dir(verb, o);
   add_json(verb, o);
 }
 
-void manifest_options(CLI::App& verb, AllOptions& o) {
+void manifest_options(CommandLine& verb, AllOptions& o) {
   add_run_dir(verb, o);
   add_json(verb, o);
-  verb.add_option("--exit", o.exits, "name=code of a process that has ended")->allow_extra_args(false);
-  verb.add_option("--started", o.launch.started, "UTC, ISO 8601");
-  verb.add_option("--ended", o.launch.ended, "UTC, ISO 8601");
-  verb.add_option("--wall", o.launch.wall_seconds, "seconds the run took");
+  verb.option("--exit", o.exits, "name=code of a process that has ended").one_word();
+  verb.option("--started", o.launch.started, "UTC, ISO 8601");
+  verb.option("--ended", o.launch.ended, "UTC, ISO 8601");
+  verb.option("--wall", o.launch.wall_seconds, "seconds the run took");
 }
 
-void verdict_options(CLI::App& verb, AllOptions& o) {
-  verb.add_option("run", o.ended_run, "folder of a run (default: nothing has run)");
-  verb.add_option("--name", o.name, "of the experiment")->required();
-  verb.add_option("--code", o.code, "exit code of the run")->required();
-  verb.add_option("--reason", o.reason, "why it did not run");
-  verb.add_option("--junit", o.junit, "JUnit XML to write");
+void verdict_options(CommandLine& verb, AllOptions& o) {
+  verb.option("run", o.ended_run, "folder of a run (default: nothing has run)");
+  verb.option("--name", o.name, "of the experiment").required();
+  verb.option("--code", o.code, "exit code of the run").required();
+  verb.option("--reason", o.reason, "why it did not run");
+  verb.option("--junit", o.junit, "JUnit XML to write");
   add_json(verb, o);
 }
 
-void report_options(CLI::App& verb, AllOptions& o) {
-  verb.add_option("runs", o.files, "folders of runs")->required();
+void report_options(CommandLine& verb, AllOptions& o) {
+  verb.option("runs", o.files, "folders of runs").required();
 }
 
-void compare_options(CLI::App& verb, AllOptions& o) {
-  verb.add_option("runs", o.files, "folders of runs")->required()->expected(2, 32);
-  verb.add_option("-o,--output", o.out, "page to write (HTML)");
+void compare_options(CommandLine& verb, AllOptions& o) {
+  verb.option("runs", o.files, "folders of runs").required().count(2, 32);
+  verb.option("-o,--output", o.out, "page to write (HTML)");
   add_json(verb, o);
 }
 
-void sweep_options(CLI::App& verb, AllOptions& all) {
+void sweep_options(CommandLine& verb, AllOptions& all) {
   sweep::Options& o = all.sweep;
-  verb.add_option("sweep", o.file, "YAML file (docs/sweep.md)")->required();
-  verb.add_option("-o,--output", o.dir,
-                  "the sweep's folder; what has been run there is not run again (default: sweep-NAME)");
-  verb.add_option("-j,--jobs", o.jobs,
-                  "threads (default: one per CPU), or tasks of the Slurm array (default: 8)")
-      ->check(CLI::Range(1, 10000));
-  verb.add_option("--engine", o.engine, "who computes: threads of this process, or a Slurm array")
-      ->check(CLI::IsMember({"local", "slurm"}))
-      ->capture_default_str();
-  verb.add_flag("--dry-run", o.dry_run, "only list the runs");
-  verb.add_flag("--json", o.as_json, "print JSON");
-  verb.add_option("--part", o.part,
-                  "I/N: only every N-th run from I on, and no pages: a task of a Slurm array");
+  verb.option("sweep", o.file, "YAML file (docs/sweep.md)").required();
+  verb.option("-o,--output", o.dir,
+              "the sweep's folder; what has been run there is not run again (default: sweep-NAME)");
+  verb.option("-j,--jobs", o.jobs, "threads (default: one per CPU), or tasks of the Slurm array (default: 8)")
+      .range(1, 10000);
+  verb.option("--engine", o.engine, "who computes: threads of this process, or a Slurm array")
+      .one_of({"local", "slurm"})
+      .show_default();
+  verb.flag("--dry-run", o.dry_run, "only list the runs");
+  verb.flag("--json", o.as_json, "print JSON");
+  verb.option("--part", o.part, "I/N: only every N-th run from I on, and no pages: a task of a Slurm array");
 }
 
-void keys_options(CLI::App& verb, AllOptions& o) {
-  verb.add_option("keys", o.files, "words: keys that contain one of them (default: all)");
+void keys_options(CommandLine& verb, AllOptions& o) {
+  verb.option("keys", o.files, "words: keys that contain one of them (default: all)");
   add_json(verb, o);
 }
 
 struct Verb {
   const char *name, *what, *example;
-  void (*add_options)(CLI::App&, AllOptions&);
+  void (*add_options)(CommandLine&, AllOptions&);
   int (*run)(const AllOptions&);
 };
 
@@ -139,21 +133,21 @@ constexpr Verb kVerbs[] = {
 };
 
 int run(int argc, char** argv) {
-  CLI::App app("Looks at experiments and at what came of them.", "lab-experiment");
-  app.require_subcommand(1);
-  app.footer(
+  CommandLine line("lab-experiment", "Looks at experiments and at what came of them.");
+  line.needs_verb();
+  line.footer(
       "Exit codes: 0 ok, 1 a verdict failed, 2 usage, 3 bad experiment, robot or file.\n"
       "example: lab-experiment check experiments/cubic_pd.yaml --set controller.kp=80");
   AllOptions options;
   for (const Verb& verb : kVerbs) {
-    CLI::App* sub = app.add_subcommand(verb.name, verb.what);
-    verb.add_options(*sub, options);
-    sub->footer(std::string("example: lab-experiment ") + verb.example);
+    CommandLine sub = line.verb(verb.name, verb.what);
+    verb.add_options(sub, options);
+    sub.footer(std::string("example: lab-experiment ") + verb.example);
   }
-  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  if (const auto code = line.parse(argc, argv)) return *code;
   try {
     for (const Verb& verb : kVerbs)
-      if (app.got_subcommand(verb.name)) return verb.run(options);
+      if (line.chosen() == verb.name) return verb.run(options);
     return kUsage;
   } catch (const std::exception& e) {
     return refuse("lab-experiment", e.what(), kBadConfig);

@@ -1,5 +1,4 @@
 // lab-model: looks at a robot file without running anything.
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <iterator>
 
@@ -101,19 +100,19 @@ constexpr Verb kVerbs[] = {
      false},
     {"tree", "Joints, links and frames as a tree.", "tree builtin:humanoid", false}};
 
-void add_verb(CLI::App& app, const Verb& verb, Options& o) {
-  CLI::App* sub = app.add_subcommand(verb.name, verb.what);
-  sub->add_flag("--floating-base", o.robot.floating_base,
-                "the root link floats (a free-flyer joint 'root_joint')");
-  sub->add_flag("--no-mimic", o.no_mimic, "mimic joints are free");
-  sub->add_option("--gravity", o.gravity, "x,y,z in m/s2 (default 0,0,-9.81)");
-  sub->add_flag("--json", o.as_json, "print JSON");
-  sub->footer(std::string("example: lab-model ") + verb.example);
+void add_verb(CommandLine& line, const Verb& verb, Options& o) {
+  CommandLine sub = line.verb(verb.name, verb.what);
+  sub.flag("--floating-base", o.robot.floating_base,
+           "the root link floats (a free-flyer joint 'root_joint')");
+  sub.flag("--no-mimic", o.no_mimic, "mimic joints are free");
+  sub.option("--gravity", o.gravity, "x,y,z in m/s2 (default 0,0,-9.81)");
+  sub.flag("--json", o.as_json, "print JSON");
+  sub.footer(std::string("example: lab-model ") + verb.example);
   if (verb.many) {
-    sub->add_option("robots", o.files, "URDF files, package://.. or builtin:NAME")->required();
-    sub->add_flag("--notes", o.notes, "also what was left out or adapted without harm");
+    sub.option("robots", o.files, "URDF files, package://.. or builtin:NAME").required();
+    sub.flag("--notes", o.notes, "also what was left out or adapted without harm");
   } else {
-    sub->add_option("robot", o.file, "URDF file, package://.. or builtin:NAME")->required();
+    sub.option("robot", o.file, "URDF file, package://.. or builtin:NAME").required();
   }
 }
 
@@ -133,16 +132,16 @@ int run_verb(const std::string& verb, Options& o) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Looks at a robot: what it is, what is wrong with its file, what its dynamics are.",
-               "lab-model"};
-  app.require_subcommand(1);
-  app.footer(
+  CommandLine line("lab-model",
+                   "Looks at a robot: what it is, what is wrong with its file, what its dynamics are.");
+  line.needs_verb();
+  line.footer(
       "A robot is a URDF file, package://.., builtin:manipulator or builtin:humanoid.\n"
       "Exit codes: 0 ok, 1 a state cannot be evaluated, 2 usage or bad input, 3 the robot is refused.\n"
       "example: lab-model info builtin:manipulator");
   Options o;
-  for (const Verb& verb : kVerbs) add_verb(app, verb, o);
-  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  for (const Verb& verb : kVerbs) add_verb(line, verb, o);
+  if (const auto code = line.parse(argc, argv)) return *code;
 
   try {
     o.robot.mimic = !o.no_mimic;
@@ -151,7 +150,7 @@ int run(int argc, char** argv) {
     return refuse("lab-model", std::string("--gravity: ") + error.what(), kUsage);
   }
   try {
-    return run_verb(app.get_subcommands().front()->get_name(), o);
+    return run_verb(line.chosen(), o);
   } catch (const InputError& error) {
     return refuse("lab-model", error.what(), kUsage);
   } catch (const std::exception& error) {

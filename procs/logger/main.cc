@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "core/util/command_line.h"
@@ -11,27 +10,26 @@
 namespace {
 
 int run(int argc, char** argv) {
-  CLI::App app{
-      "The logger of a lab: writes log.lcm, whose bytes are what the simulator used, and telemetry.lcm.",
-      "lab-logger"};
-  app.footer("example: lab-logger --run-dir runs/latest");
+  lab::CommandLine line(
+      "lab-logger",
+      "The logger of a lab: writes log.lcm, whose bytes are what the simulator used, and telemetry.lcm.");
+  line.footer("example: lab-logger --run-dir runs/latest");
   lab::ParticipantOptions options{.name = lab::kLogger, .url = "", .prefix = "", .channels = {}};
   std::string run_dir;
   double deadline = 10, ready = 10, quota = 0;
-  app.add_option("--run-dir", run_dir, "folder that the logs go to")->envname("LAB_RUN_DIR")->required();
-  app.add_option("-l,--lcm-url,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
-      ->envname("LAB_PREFIX");
-  app.add_option("--deadline", deadline, "s without any message that end the process")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--ready", ready, "s to wait for RUN")->check(CLI::PositiveNumber);
-  app.add_option("--quota-mb", quota,
-                 "of log.lcm and of telemetry.lcm: at half of it what was written becomes log.earlier.lcm, "
-                 "in place of "
-                 "the one before (0: no limit, as for every run in lockstep)")
-      ->envname("LAB_QUOTA_MB")
-      ->check(CLI::Range(0.0, 1e9));
-  if (const auto code = lab::parse_command_line(app, argc, argv)) return *code;
+  line.option("--run-dir", run_dir, "folder that the logs go to").env("LAB_RUN_DIR").required();
+  line.option("-l,--lcm-url,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
+      .env("LAB_PREFIX");
+  line.option("--deadline", deadline, "s without any message that end the process").positive();
+  line.option("--ready", ready, "s to wait for RUN").positive();
+  line.option("--quota-mb", quota,
+              "of log.lcm and of telemetry.lcm: at half of it what was written becomes log.earlier.lcm, "
+              "in place of "
+              "the one before (0: no limit, as for every run in lockstep)")
+      .env("LAB_QUOTA_MB")
+      .range(0, 1e9);
+  if (const auto code = line.parse(argc, argv)) return *code;
   return lab::guarded_main("lab-logger", [&] {
     lab::logger::LogFiles files(run_dir, static_cast<uint64_t>(quota * 1e6));
     lab::Participant participant(options);

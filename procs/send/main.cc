@@ -3,7 +3,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <lab/end_t.hpp>
 #include <lab/event_t.hpp>
@@ -201,90 +200,87 @@ int no_answer(const Options& options) {
                 kTransport);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
-      ->envname("LAB_PREFIX");
-  app.add_option("--run-dir", options.run_dir, "the lab's folder: only its own simulator is asked")
-      ->envname("LAB_RUN_DIR");
-  app.add_option("--run", options.run, "only this run (hexadecimal), where several are on the bus")
-      ->check([](const std::string& word) {
+Option add_options(CommandLine& line, Options& options) {
+  line.option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
+      .env("LAB_PREFIX");
+  line.option("--run-dir", options.run_dir, "the lab's folder: only its own simulator is asked")
+      .env("LAB_RUN_DIR");
+  line.option("--run", options.run, "only this run (hexadecimal), where several are on the bus")
+      .check([](const std::string& word) {
         return !word.empty() && word.size() <= 16 &&
                        word.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos
                    ? ""
                    : "not a hexadecimal number";
       });
-  app.add_option(
-         "--timeout", options.timeout,
-         "give up after so many s (default: 5 for the answer; a goal is waited for as long as states come)")
-      ->check(CLI::PositiveNumber)
-      ->each(
-          [&options](const std::string& word) { options.wait_seconds = std::strtod(word.c_str(), nullptr); });
-  app.add_flag("--json", options.as_json, "print JSON");
-  app.fallthrough();
+  line.flag("--json", options.as_json, "print JSON");
+  line.options_behind_verbs();
+  return line
+      .option(
+          "--timeout", options.timeout,
+          "give up after so many s (default: 5 for the answer; a goal is waited for as long as states come)")
+      .positive();
 }
 
-CLI::App* add_verb(CLI::App& app, const char* name, const char* what, const char* example) {
-  CLI::App* sub = app.add_subcommand(name, what);
-  sub->footer(std::string("example: lab-send ") + example);
+CommandLine add_verb(CommandLine& line, const char* name, const char* what, const char* example) {
+  CommandLine sub = line.verb(name, what);
+  sub.footer(std::string("example: lab-send ") + example);
   return sub;
 }
 
-void add_goal(CLI::App& app, Words& words) {
-  CLI::App* goal = add_verb(
-      app, "goal",
+void add_goal(CommandLine& line, Words& words) {
+  CommandLine goal = add_verb(
+      line, "goal",
       "Moves the reference to a configuration, or a frame to a pose, from where it is, without a jump.",
       "goal --frame effector_body --position 0.5,0.1,0.6 --rpy 0,1.57,0 --duration 2");
-  CLI::Option* q =
-      goal->add_option("q", words.list, "a number for every joint (rad, m), or JOINT=VALUE for some")
-          ->allow_extra_args();
-  CLI::Option* frame =
-      goal->add_option("--frame", words.place.frame, "of the robot, to move to a pose in the world")
-          ->excludes(q);
-  CLI::Option* position = goal->add_option("--position", words.place.position, "x,y,z in m")->needs(frame);
-  CLI::Option* rpy =
-      goal->add_option("--rpy", words.place.rpy, "roll,pitch,yaw in rad (default: any orientation)")
-          ->needs(position);
-  goal->add_option("--quaternion", words.place.quaternion, "x,y,z,w instead of --rpy")
-      ->needs(position)
-      ->excludes(rpy);
-  goal->add_option("--duration", words.duration,
-                   "s (default: as fast as planner.speed, half, of the speed limits allows)");
-  goal->add_flag("--wait", words.wait, "end with 0 when the robot is there, with 1 when it will not be");
-  goal->positionals_at_end(false);
+  const Option q =
+      goal.option("q", words.list, "a number for every joint (rad, m), or JOINT=VALUE for some").many_words();
+  const Option frame =
+      goal.option("--frame", words.place.frame, "of the robot, to move to a pose in the world").excludes(q);
+  const Option position = goal.option("--position", words.place.position, "x,y,z in m").needs(frame);
+  const Option rpy = goal.option("--rpy", words.place.rpy, "roll,pitch,yaw in rad (default: any orientation)")
+                         .needs(position);
+  goal.option("--quaternion", words.place.quaternion, "x,y,z,w instead of --rpy")
+      .needs(position)
+      .excludes(rpy);
+  goal.option("--duration", words.duration,
+              "s (default: as fast as planner.speed, half, of the speed limits allows)");
+  goal.flag("--wait", words.wait, "end with 0 when the robot is there, with 1 when it will not be");
+  goal.options_between_words();
 }
 
-void add_verbs(CLI::App& app, Words& words) {
-  add_goal(app, words);
-  CLI::App* set = add_verb(app, "set", "Changes a value of a process while it runs.", "set controller kp=80");
-  set->add_option("process", words.target, "such as controller")->required();
-  set->add_option("assignment", words.assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint")
-      ->required();
-  CLI::App* get =
-      add_verb(app, "get", "Prints what is in force: gains, motion, payloads.", "get controller kp");
-  get->add_option("process", words.target, "such as controller (default: all)");
-  get->add_option("key", words.assignment, "such as kp: only its value");
-  CLI::App* push = add_verb(app, "push", "Pushes a frame with a force (N) and a torque (Nm) in world axes.",
-                            "push effector_body 20 0 0 --for 0.2");
-  push->add_option("frame", words.target, "of the robot")->required();
-  push->add_option("wrench", words.list, "FX FY FZ [NX NY NZ]")->required()->allow_extra_args();
-  push->add_option("--for", words.seconds, "s (default 0.1)");
-  push->positionals_at_end(false);
-  CLI::App* payload = add_verb(app, "payload",
-                               "Fixes a mass to a frame of the simulated robot, in place of what it "
-                               "carried; the controller does not know.",
-                               "payload effector_body 2 --com 0,0,0.1");
-  payload->add_option("frame", words.target, "of the robot")->required();
-  payload->add_option("mass", words.mass, "kg; 0 takes it off")->required();
-  payload->add_option("--com", words.com, "x,y,z in the frame, m (default: at its origin)");
-  add_verb(app, "estop", "Emergency stop: the robot is held until rearm.", "estop");
-  add_verb(app, "rearm", "Lets the controller drive again.", "rearm");
-  add_verb(app, "pause", "Freezes time.", "pause");
-  add_verb(app, "resume", "Lets time go on.", "resume");
-  add_verb(app, "reset", "Ends the run and starts a new one (real time).", "reset");
-  CLI::App* step = add_verb(app, "step", "Takes some steps while paused.", "step 10");
-  step->add_option("count", words.count, "steps (default 1)");
-  step->positionals_at_end(false);
+void add_verbs(CommandLine& line, Words& words) {
+  add_goal(line, words);
+  CommandLine set =
+      add_verb(line, "set", "Changes a value of a process while it runs.", "set controller kp=80");
+  set.option("process", words.target, "such as controller").required();
+  set.option("assignment", words.assignment, "KEY=VALUE, or KEY=VALUE,VALUE.. for each joint").required();
+  CommandLine get =
+      add_verb(line, "get", "Prints what is in force: gains, motion, payloads.", "get controller kp");
+  get.option("process", words.target, "such as controller (default: all)");
+  get.option("key", words.assignment, "such as kp: only its value");
+  CommandLine push =
+      add_verb(line, "push", "Pushes a frame with a force (N) and a torque (Nm) in world axes.",
+               "push effector_body 20 0 0 --for 0.2");
+  push.option("frame", words.target, "of the robot").required();
+  push.option("wrench", words.list, "FX FY FZ [NX NY NZ]").required().many_words();
+  push.option("--for", words.seconds, "s (default 0.1)");
+  push.options_between_words();
+  CommandLine payload = add_verb(line, "payload",
+                                 "Fixes a mass to a frame of the simulated robot, in place of what it "
+                                 "carried; the controller does not know.",
+                                 "payload effector_body 2 --com 0,0,0.1");
+  payload.option("frame", words.target, "of the robot").required();
+  payload.option("mass", words.mass, "kg; 0 takes it off").required();
+  payload.option("--com", words.com, "x,y,z in the frame, m (default: at its origin)");
+  add_verb(line, "estop", "Emergency stop: the robot is held until rearm.", "estop");
+  add_verb(line, "rearm", "Lets the controller drive again.", "rearm");
+  add_verb(line, "pause", "Freezes time.", "pause");
+  add_verb(line, "resume", "Lets time go on.", "resume");
+  add_verb(line, "reset", "Ends the run and starts a new one (real time).", "reset");
+  CommandLine step = add_verb(line, "step", "Takes some steps while paused.", "step 10");
+  step.option("count", words.count, "steps (default 1)");
+  step.options_between_words();
 }
 
 /// What the words say without a look at the lab: a mistake in them is answered at once. Nothing for a goal of some joints.
@@ -320,17 +316,18 @@ int send_verb(const std::string& verb, const Options& options, const Words& word
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Sends one request to the simulator of a running lab and prints the answer.", "lab-send"};
-  app.require_subcommand(1);
-  app.footer(
+  CommandLine line("lab-send", "Sends one request to the simulator of a running lab and prints the answer.");
+  line.needs_verb();
+  line.footer(
       "Exit codes: 0 done, 1 goal not reached (--wait), 2 usage, 7 refused or not confirmed.\nexample: "
       "lab-send goal 0.1 -0.4 0.8 0 0.2 0 "
       "--duration 2");
   Options options;
   Words words;
-  add_options(app, options);
-  add_verbs(app, words);
-  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  const Option timeout = add_options(line, options);
+  add_verbs(line, words);
+  if (const auto code = line.parse(argc, argv)) return *code;
+  if (timeout.given()) options.wait_seconds = options.timeout;
   struct sigaction action{};
   action.sa_handler = [](int number) { interrupted = number; };
   sigaction(SIGINT, &action, nullptr);
@@ -339,7 +336,7 @@ int run(int argc, char** argv) {
   options.follow = words.wait;
   return guarded_main("lab-send", [&] {
     try {
-      return send_verb(app.get_subcommands().front()->get_name(), options, words);
+      return send_verb(line.chosen(), options, words);
     } catch (const UsageError& error) {
       return refuse("lab-send", error.what(), kUsage);
     }

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
 #include "core/util/command_line.h"
 #include "core/util/console.h"
 #include "lab/experiment/experiment_yaml.h"
@@ -12,10 +10,10 @@
 namespace {
 
 int run(int argc, char** argv) {
-  CLI::App app{
-      "The simulator of a lab: publishes RUN, waits for the other processes, and leads the run step by step.",
-      "lab-simulator"};
-  app.footer("example: lab-simulator --experiment runs/latest/experiment.yaml");
+  lab::CommandLine line("lab-simulator",
+                        "The simulator of a lab: publishes RUN, waits for the other processes, and leads the "
+                        "run step by step.");
+  line.footer("example: lab-simulator --experiment runs/latest/experiment.yaml");
   lab::ParticipantOptions options{
       .name = lab::kSimulator,
       .url = "",
@@ -23,12 +21,12 @@ int run(int argc, char** argv) {
       .channels = {lab::Channel::Reference, lab::Channel::Command, lab::Channel::Event, lab::Channel::Ack,
                    lab::Channel::Need, lab::Channel::Process, lab::Channel::Request}};
   std::string experiment_file, run_dir;
-  app.add_option("--experiment", experiment_file, "YAML file (default: the run folder's experiment.yaml)");
-  app.add_option("--run-dir", run_dir, "the run's folder")->envname("LAB_RUN_DIR");
-  app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of channel names, where several robots share a bus")
-      ->envname("LAB_PREFIX");
-  if (const auto code = lab::parse_command_line(app, argc, argv)) return *code;
+  line.option("--experiment", experiment_file, "YAML file (default: the run folder's experiment.yaml)");
+  line.option("--run-dir", run_dir, "the run's folder").env("LAB_RUN_DIR");
+  line.option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
+      .env("LAB_PREFIX");
+  if (const auto code = line.parse(argc, argv)) return *code;
   return lab::guarded_main("lab-simulator", [&] {
     if (experiment_file.empty())
       experiment_file = run_dir.empty() ? "experiment.yaml" : run_dir + "/experiment.yaml";

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
 #include "core/util/command_line.h"
 #include "core/util/console.h"
 #include "core/util/interrupt.h"
@@ -13,17 +11,17 @@
 namespace {
 
 int run(int argc, char** argv) {
-  CLI::App app{
+  lab::CommandLine line(
+      "lab-solo",
       "Runs an experiment in one process, without a bus: log.lcm gets the same bytes as from separate "
-      "processes.",
-      "lab-solo"};
-  app.footer("example: lab-solo experiments/cubic_pd.yaml --run-dir /tmp/run");
+      "processes.");
+  line.footer("example: lab-solo experiments/cubic_pd.yaml --run-dir /tmp/run");
   std::string experiment_file, run_dir;
   std::vector<std::string> overrides;
-  app.add_option("experiment", experiment_file, "YAML file")->required();
-  app.add_option("--run-dir", run_dir, "folder that log.lcm goes to")->required();
-  app.add_option("--set", overrides, "key=value over the file")->allow_extra_args(false);
-  if (const auto code = lab::parse_command_line(app, argc, argv)) return *code;
+  line.option("experiment", experiment_file, "YAML file").required();
+  line.option("--run-dir", run_dir, "folder that log.lcm goes to").required();
+  line.option("--set", overrides, "key=value over the file").one_word();
+  if (const auto code = line.parse(argc, argv)) return *code;
   return lab::guarded_main("lab-solo", [&] {
     lab::install_signal_handlers();
     const lab::Experiment experiment = lab::load_experiment(experiment_file, overrides);

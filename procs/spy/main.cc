@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <fnmatch.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <lab/process_t.hpp>
 #include <lab/type_t.hpp>
@@ -273,47 +272,43 @@ int who(const Options& options) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Shows what is said on an LCM bus, decoded at run time.", "lab-spy"};
-  app.require_subcommand(0, 1);
-  app.fallthrough();
-  app.footer(
+  CommandLine line("lab-spy", "Shows what is said on an LCM bus, decoded at run time.");
+  line.options_behind_verbs();
+  line.footer(
       "Without a verb: list. Types: the lab's own, those of --types, and those that TYPE messages "
       "bring.\nexample: lab-spy echo "
       "ROBOT_STATE --once");
   Options options;
-  app.add_option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  app.add_option("--prefix", options.prefix, "of a lab's channel names: CHANNEL and who are meant with it")
-      ->envname("LAB_PREFIX");
-  app.add_option("--types", options.types, "folder with .lcm files");
-  app.add_flag("--json", options.as_json, "print JSON");
-  app.add_option("--for", options.seconds, "s to listen, then end (default: 1; echo: until interrupted)")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--timeout", options.timeout, "give up with 124 when nothing has come after so many s")
-      ->check(CLI::PositiveNumber);
-  CLI::App* list_verb =
-      app.add_subcommand("list", "Lists the channels: type, count, rate, bytes, periods, senders, losses.");
-  list_verb->footer("example: lab-spy list --for 2");
-  CLI::App* hz_verb = app.add_subcommand("hz", "The same for some channels.");
-  hz_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'");
-  hz_verb->footer("example: lab-spy hz COMMAND");
-  CLI::App* echo_verb = app.add_subcommand("echo", "Prints messages.");
-  echo_verb->add_option("channel", options.channel, "name or pattern such as 'ROBOT_*'")->required();
-  echo_verb->add_flag("--once", options.once, "one message, then end");
-  echo_verb->add_option("-n", options.count, "so many messages, then end")->check(CLI::PositiveNumber);
-  echo_verb->add_option("--field", options.fields, "only this value, such as q[0]; may be repeated")
-      ->allow_extra_args(false);
-  echo_verb->footer("example: lab-spy echo ROBOT_STATE --field q[0] -n 10");
-  CLI::App* who_verb =
-      app.add_subcommand("who", "Lists the processes that are alive, by their PROCESS messages.");
-  who_verb->footer("example: lab-spy who --for 0.3");
-  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  line.option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  line.option("--prefix", options.prefix, "of a lab's channel names: CHANNEL and who are meant with it")
+      .env("LAB_PREFIX");
+  line.option("--types", options.types, "folder with .lcm files");
+  line.flag("--json", options.as_json, "print JSON");
+  line.option("--for", options.seconds, "s to listen, then end (default: 1; echo: until interrupted)")
+      .positive();
+  line.option("--timeout", options.timeout, "give up with 124 when nothing has come after so many s")
+      .positive();
+  line.verb("list", "Lists the channels: type, count, rate, bytes, periods, senders, losses.")
+      .footer("example: lab-spy list --for 2");
+  CommandLine hz = line.verb("hz", "The same for some channels.");
+  hz.option("channel", options.channel, "name or pattern such as 'ROBOT_*'");
+  hz.footer("example: lab-spy hz COMMAND");
+  CommandLine echoes = line.verb("echo", "Prints messages.");
+  echoes.option("channel", options.channel, "name or pattern such as 'ROBOT_*'").required();
+  echoes.flag("--once", options.once, "one message, then end");
+  echoes.option("-n", options.count, "so many messages, then end").positive();
+  echoes.option("--field", options.fields, "only this value, such as q[0]; may be repeated").one_word();
+  echoes.footer("example: lab-spy echo ROBOT_STATE --field q[0] -n 10");
+  line.verb("who", "Lists the processes that are alive, by their PROCESS messages.")
+      .footer("example: lab-spy who --for 0.3");
+  if (const auto code = line.parse(argc, argv)) return *code;
   if (!options.channel.empty() && !options.channel.starts_with(options.prefix))
     options.channel = options.prefix + options.channel;
   install_signal_handlers();
   return guarded_main("lab-spy", [&] {
     try {
-      if (*echo_verb) return echo(options);
-      if (*who_verb) return who(options);
+      if (line.chosen() == "echo") return echo(options);
+      if (line.chosen() == "who") return who(options);
       return list(options);
     } catch (const NoField& error) {
       return refuse("lab-spy", error.what(), kUsage);
