@@ -14,6 +14,9 @@ std::vector<std::string> check(const Experiment&, const Robot&);
 /// Configurations along what is planned, first and last step included: `count` of them, evenly in time.
 std::vector<Eigen::VectorXd> planned_poses(const Experiment&, const rbd::Model&, int count);
 
+/// The largest magnitude of an eigenvalue of a square matrix.
+double spectral_radius(Eigen::MatrixXd);
+
 /// How close a sampled control loop is to instability: 1 = the limit, beyond which it explodes. With x'' = A x + D x'
 /// around the reference (no matter where they come from), stepped with time h: half the largest |eigenvalue| of
 /// h D + h^2 A / 2. That is exact for the mode that alternates from step to step, which is what stiff gains do.

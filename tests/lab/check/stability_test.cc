@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <rbd/rbd.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
+#include <random>
 
 #include "core/util/number.h"
 #include "lab/check/check.h"
@@ -13,6 +15,22 @@
 
 namespace lab {
 namespace {
+
+TEST(SpectralRadius, IsThatOfEigensSolver) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int n : {1, 2, 6, 13})
+    for (int trial = 0; trial < 20; ++trial) {
+      const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return 1e3 * normal(random); });
+      const double solver = A.eigenvalues().cwiseAbs().maxCoeff();
+      EXPECT_NEAR(spectral_radius(A) / solver, 1, 1e-7) << A;  // log(condition) / 2^30, and rounding
+    }
+  EXPECT_EQ(spectral_radius(Eigen::MatrixXd::Zero(3, 3)), 0);
+  EXPECT_EQ(spectral_radius((Eigen::Matrix2d() << 0, 1, 0, 0).finished()), 0) << "nilpotent";
+  EXPECT_NEAR(spectral_radius((Eigen::Matrix2d() << 0, -2, 2, 0).finished()), 2, 1e-9)
+      << "complex eigenvalues";
+  EXPECT_NEAR(spectral_radius((Eigen::Matrix2d() << 1, 1, 0, 1).finished()), 1, 1e-7) << "a Jordan block";
+}
 
 struct Case {
   const char* kind;
