@@ -15,7 +15,7 @@ case $1 in
     { echo "# As run" && cat "$in"; } >"$out" && [ -z "${sets:-}" ] || echo "# set$sets" >>"$out" ;;
   processes) grep -v '^# As run' "$2" ;;
   evaluate) echo '{}' >"$2/metrics.json"; echo "tracking: ok"; ! grep -q unexpected "$2/experiment.yaml" ;;
-  report) echo page >"$2/report.html"; ! grep -q unpaintable "$2/experiment.yaml" ;;
+  report) ! grep -q unpaintable "$2/experiment.yaml" && echo page >"$2/report.html" ;;
   manifest) dir=$2; shift 2; sed -i 's/"state": "running"/"state": "ended"/' "$dir/manifest.json"; echo "$*" >>"$dir/manifest.json" ;;
 esac
 IN

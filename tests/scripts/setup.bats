@@ -72,5 +72,5 @@ pretend() { # NAME LINE: a command of that name in front of the real one
   [[ $output == *"--no-install-recommends no-such-tester no-such-compiler" ]]
   run "$LAB" setup --tset
   [ "$status" -eq 2 ]
-  [[ $output == *"unknown argument '--tset'"* ]]
+  [[ $output == *"unknown option '--tset'"* ]]
 }

@@ -43,7 +43,7 @@ COMMANDS = [
     ("../examples/own_controller", "--help"),
 ]
 VERBS = [(LAB, "help"), (LAB, "ls"), (LAB, "ls", "--json"), (LAB, "ps"), (LAB, "ps", "--json"), (LAB, "doctor"), (LAB, "doctor", "--json"),
-         (LAB, "nix"), (LAB, "run", "nix"), (LAB, "run", EXPERIMENT, "--solo", "--set", "simulator.duration=0.1", "-o", "{new}"),
+         (LAB, "nix"), (LAB, "run", "nix"), (LAB, "run", EXPERIMENT, "--solo", "--set", "simulator.duration=0.1", "--set", "expect={{}}", "-o", "{new}"),
          *[(LAB, path.name[4:], "--help") for path in sorted((ROOT / "scripts").glob("lab-*"))]]
 STREAMS = ["full", "closed", "pipe"]
 
@@ -54,7 +54,7 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("output")
     (folder / "locales").mkdir()
     (folder / "runs").mkdir()
-    solo(EXPERIMENT, folder / "log", "--set", "simulator.duration=0.2", "--no-report")
+    solo(EXPERIMENT, folder / "log", "--set", "simulator.duration=0.2", "--set", "expect={}", "--no-report")
     return folder
 
 

@@ -24,7 +24,8 @@ def test_numbers_have_points_whatever_the_locale(name, tmp_path):
     (tmp_path / "Procfile").write_text("a: exec sleep 0.3\n")
     done = bare(lab.ROOT / "scripts" / "supervise", "--dir", tmp_path / "group", "--timeout", "30.5", tmp_path / "Procfile", **env)
     assert (done.returncode, done.stdout, done.stderr) == (0, "a 0\n", "")
-    done = bare(lab.LAB, "run", EXPERIMENT, "--solo", "--timeout", "60.5", "-o", tmp_path / "run", "--set", "simulator.duration=0.5", **env)
+    done = bare(lab.LAB, "run", EXPERIMENT, "--solo", "--timeout", "60.5", "-o", tmp_path / "run", "--set", "simulator.duration=0.5", "--set",
+                "expect={}", **env)
     assert done.returncode == 0, done.stderr
     manifest = json.loads((tmp_path / "run" / "manifest.json").read_text())
     assert 0 < manifest["wall_seconds"] < lab.DEADLINE

@@ -135,16 +135,17 @@ TEST_F(Folder, FaultsAreOneLineAndTheRightExitCode) {
   EXPECT_EQ(call("check " + yaml), 0) << out_;
   EXPECT_EQ(out_, yaml + ": ok (manipulator, nq 6, nv 6; 300 steps of 0.01 s)\n");
   EXPECT_EQ(call("check " + yaml + " --set controler.kp=1"), 3);
-  EXPECT_EQ(out_, "--set: unknown section 'controler'; did you mean 'controller'?\n");
+  EXPECT_EQ(out_, "lab-experiment: --set: unknown section 'controler'; did you mean 'controller'?\n");
   EXPECT_EQ(call("resolve " + yaml + " --set simulator.dt=0"), 3);
-  EXPECT_EQ(out_, "--set: simulator.dt: 0 is too small; give at least 1e-06 (s)\n");
+  EXPECT_EQ(out_, "lab-experiment: --set: simulator.dt: 0 is too small; give at least 1e-06 (s)\n");
   EXPECT_EQ(call("resolve " + yaml + " --set robot.model=gone.urdf"), 3);
   EXPECT_TRUE(one_line()) << out_;
   EXPECT_EQ(call("resolve " + yaml + " -o /proc/nowhere/experiment.yaml"), 3);
-  EXPECT_EQ(out_, "/proc/nowhere/experiment.yaml: cannot be created (No such file or directory)\n");
+  EXPECT_EQ(out_,
+            "lab-experiment: /proc/nowhere/experiment.yaml: cannot be created (No such file or directory)\n");
   EXPECT_EQ(call("resolve " + yaml + " -o /dev/full/x"), 3);
   EXPECT_EQ(call("check /nowhere.yaml"), 3);
-  EXPECT_EQ(out_, "/nowhere.yaml: cannot be read (No such file or directory)\n");
+  EXPECT_EQ(out_, "lab-experiment: /nowhere.yaml: cannot be read (No such file or directory)\n");
   EXPECT_EQ(call("evaluate " + dir_), 3);
   EXPECT_TRUE(one_line()) << out_;
   EXPECT_EQ(call("frobnicate"), 2);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/util/json_text.h"
 #include "wire/schema/schema_parse.h"
 
 namespace lab {
@@ -179,10 +180,10 @@ TEST(Value, TextJsonAndPaths) {
       message(t, {2,    0x3f, 0xb9, 0x99, 0x99, 0x99, 0x99, 0x99, 0x9a, 0x7f, 0xf8, 0, 0,   0,    0, 0, 0,  //
                   0x3d, 0xcc, 0xcc, 0xcd, 0xc0, 0,    0,    0,    0,    0,    0,    3, 'a', 0xff, 0, 1}));
   EXPECT_EQ(to_text(v),
-            "n: 2\nq: [0.1, nan]\nlist[0]:\n  f: 0.1\nlist[1]:\n  f: -2\ns: \"a\xEF\xBF\xBD\"\nb: true\n");
+            "n: 2\nq: [0.1, nan]\nlist[0]:\n  f: 0.1\nlist[1]:\n  f: -2\ns: \"a\\\\xff\"\nb: true\n");
   const auto json = to_json(v);
   EXPECT_EQ(json["q"].dump(), "[0.1,null]");
-  EXPECT_EQ(json["s"], "a\xEF\xBF\xBD");
+  EXPECT_EQ(json_text(json["s"]), R"("a\\xff")");
   EXPECT_EQ(json["list"][1]["f"], -2);
   EXPECT_EQ(v.at("q[0]")->number(), 0.1);
   EXPECT_EQ(v.at("list[1].f")->number(), -2);
