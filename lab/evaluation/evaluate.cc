@@ -19,6 +19,7 @@ Run begin_run(const Experiment& e, const rbd::Model& model) {
   run.damping = joint_vector(e, "simulator.damping", e.simulator.damping, model, 0);
   run.friction = joint_vector(e, "simulator.friction", e.simulator.friction, model, 0);
   run.last_step = e.last_step();
+  run.until_ended = e.runs_until_ended();
   run.band = e.evaluation.band;
   run.tool = e.evaluation.frame;
   return run;
@@ -33,7 +34,8 @@ json evaluate(const Run& run, const std::map<std::string, Bound>& expect) {
   out["reason"] = run.reason;
   out["band"] = run.band;
   out["joints"] = out["reaches"] = json::array();
-  const bool complete = !run.aborted && !run.states.empty() && run.states.back().step == run.last_step;
+  const bool complete =
+      !run.aborted && !run.states.empty() && (run.until_ended || run.states.back().step == run.last_step);
   out["complete"] = complete;
 
   if (!run.states.empty()) {

@@ -24,9 +24,10 @@ struct Run {
   std::vector<double> external_work;  ///< by disturbances, over the step that led to the state
   int64_t last_step = 0;              ///< that the experiment asks for
   bool aborted = false;
-  std::string reason;  ///< of the abort
-  double band = 0.01;  ///< rad, m: within this error a joint counts as settled
-  std::string tool;    ///< frame whose errors are judged; empty = the last link
+  bool until_ended = false;  ///< no step was to be the last
+  std::string reason;        ///< of the abort
+  double band = 0.01;        ///< rad, m: within this error a joint counts as settled
+  std::string tool;          ///< frame whose errors are judged; empty = the last link
 };
 
 /// A run of the experiment that has no step yet.

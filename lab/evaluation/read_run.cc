@@ -50,7 +50,7 @@ class RunReader {
         take(channel, data);
     });
     out_.path = log_;
-    out_.growing = is_being_written(log_);
+    out_.growing = !out_.log.has_end && is_being_written(log_);
     if (!begun_) throw std::runtime_error(log_ + ": has no RUN message; it is not the log of a run");
     replay();
     pair_with_references();

@@ -14,6 +14,11 @@ Experiment::Experiment(Experiment&&) noexcept = default;
 Experiment& Experiment::operator=(const Experiment&) = default;
 Experiment& Experiment::operator=(Experiment&&) noexcept = default;
 
+void Experiment::keep_running() {
+  simulator.clock = "realtime";
+  simulator.duration = kUntilEnded;
+}
+
 int64_t Experiment::last_step() const { return std::llround(simulator.duration / simulator.dt); }
 
 bool Experiment::operator==(const Experiment& o) const {

@@ -55,6 +55,9 @@ struct PlannedPayload {
   bool operator==(const PlannedPayload&) const = default;
 };
 
+/// A duration (s) of four months: the run goes on until somebody ends it.
+inline constexpr double kUntilEnded = 1e7;
+
 struct Experiment {
   // written in experiment.cc: as inline functions they would be compiled again in every file that holds an experiment
   Experiment();
@@ -189,6 +192,9 @@ struct Experiment {
   std::map<std::string, std::string> where;
   std::string file;
 
+  /// In real time and until it is ended; the motion keeps its duration.
+  void keep_running();
+  bool runs_until_ended() const { return simulator.duration >= kUntilEnded; }
   /// Number of the last step.
   int64_t last_step() const;
   /// Compares all values, but not `where` and `file`, which are about the text.

@@ -131,8 +131,9 @@ std::vector<std::pair<std::string, std::string>> read_last_lines(const fs::path&
 Folder read_folder(const std::string& dir) {
   const fs::path root(dir);
   const std::string log = find_log(dir);
-  if (!fs::exists(root / "experiment.yaml") && !fs::exists(log))
-    throw std::runtime_error(dir + ": is not a run folder (it has neither experiment.yaml nor log.lcm)");
+  if (!fs::exists(root / "experiment.yaml") && !fs::exists(root / "manifest.json") && !fs::exists(log))
+    throw std::runtime_error(
+        dir + ": is not a run folder (it has neither manifest.json nor experiment.yaml nor log.lcm)");
   Folder out;
   out.name = fs::canonical(root).filename();
   out.experiment_text = bytes_of(root / "experiment.yaml");
@@ -141,7 +142,9 @@ Folder read_folder(const std::string& dir) {
   try {
     if (!fs::exists(log))
       throw std::runtime_error(
-          "there is no log.lcm: the run ended before its first step, or is still going on");
+          out.is_plain_group()
+              ? "there is no log.lcm: a group of processes without an experiment"
+              : "there is no log.lcm: the run ended before its first step, or is still going on");
     if (fs::file_size(log) == 0) throw std::runtime_error(fs::path(log).filename().string() + " is empty");
     out.logged = read_run(log);
     out.metrics = evaluate_logged(*out.logged);

@@ -40,6 +40,8 @@ struct Folder {
   /// Of processes that failed: name, and the last lines of their output.
   std::vector<std::pair<std::string, std::string>> last_lines;
 
+  /// From a Procfile, with no simulator of ours: nothing is missing if there is no log.
+  bool is_plain_group() const { return experiment_text.empty() && !logged; }
   /// What is logged, where it is known to be there. Throws std::logic_error if it is not.
   const LoggedRun& log() const {
     if (!logged) throw std::logic_error(name + ": has no log");

@@ -268,10 +268,19 @@ json badge_of(const Folder& folder) {
   if (code > 1) return badge("ended with exit " + std::to_string(code), false);
   if (!folder.logged) return badge("no log", false);
   if (!folder.logged->log.sound()) return badge("damaged log", false);
+  if (folder.logged->growing) return badge("goes on", true);
   if (!folder.metrics["complete"].get<bool>()) return badge("incomplete", false);
   if (folder.metrics["verdicts"].empty()) return badge("complete", true);
   const bool passed = folder.metrics["passed"].get<bool>();
   return badge(passed ? "as expected" : "not as expected", passed);
+}
+
+/// How long the run was to last, or did, if it was to go on until it was ended.
+std::string lasted(const Folder& folder) {
+  const Experiment& e = *folder.experiment;
+  if (!e.runs_until_ended()) return number(e.simulator.duration) + " s";
+  if (!folder.metrics.contains("last_step")) return "until it is ended,";
+  return number(std::max(folder.metrics["last_step"].get<double>(), 0.0) * e.simulator.dt) + " s";
 }
 
 std::string about(const Folder& folder) {
@@ -281,8 +290,8 @@ std::string about(const Folder& folder) {
   if (folder.logged)
     out += folder.logged->robot.model.name + ", " +
            std::to_string(joints_of(folder.logged->run.model).size()) + " joints · ";
-  out += e.planner.kind + " · " + e.controller.kind + " · " + number(e.simulator.duration) +
-         " s in steps of " + number(e.simulator.dt) + " s · " + e.simulator.clock;
+  out += e.planner.kind + " · " + e.controller.kind + " · " + lasted(folder) + " in steps of " +
+         number(e.simulator.dt) + " s · " + e.simulator.clock;
   return out;
 }
 
@@ -298,6 +307,7 @@ std::string run_page(const Folder& folder) {
               {"no_motion", no_motion(folder)},
               {"damage", damage(folder)},
               {"incomplete", nullptr},
+              {"so_far", nullptr},
               {"last_lines", last_lines(folder)},
               {"motion", motion_values(folder)},
               {"has_pictures", !pictures.empty()},
@@ -311,7 +321,9 @@ std::string run_page(const Folder& folder) {
               {"has_versions", folder.manifest.is_object()},
               {"versions", version_rows(folder.manifest)},
               {"experiment", folder.experiment_text}};
-  if (!values["motion"].is_null() && !m["complete"].get<bool>())
+  if (!values["motion"].is_null() && folder.logged->growing)
+    values["so_far"] = {{"seconds", number(m["last_step"].get<double>() * m["dt"].get<double>())}};
+  else if (!values["motion"].is_null() && !m["complete"].get<bool>())
     values["incomplete"] = {
         {"last_step", m["last_step"]}, {"wanted_last_step", m["wanted_last_step"]}, {"reason", m["reason"]}};
   if (folder.notes.size() > kMaxNotes) values["more_notes"] = std::to_string(folder.notes.size() - kMaxNotes);

@@ -32,6 +32,7 @@ void resolve_options(CommandLine& verb, AllOptions& o) {
   add_file(verb, o);
   add_set(verb, o);
   verb.option("-o,--output", o.out, "file to write instead of printing");
+  verb.flag("--stay", o.stay, "in real time and until it is ended; the motion keeps its duration");
   add_json(verb, o);
 }
 

@@ -80,6 +80,7 @@ int check_files(const Options& options) {
 
 int resolve_file(const Options& options) {
   Experiment e = load_experiment(options.file, options.set);
+  if (options.stay) e.keep_running();
   print_warnings(check(e, load_robot(e)));
   if (const std::string model = find_model(e); !model.empty())
     e.robot.model = model;  // the run folder is elsewhere
@@ -135,7 +136,7 @@ int report_runs(const Options& options) {
   for (const std::string& dir : options.files) {
     const std::string path = dir + (dir.ends_with('/') ? "" : "/") + "report.html";
     const report::Folder folder = report::read_folder(dir);
-    if (!print_findings(folder)) result = kCheckFailed;
+    if (!folder.is_plain_group() && !print_findings(folder)) result = kCheckFailed;
     write_atomically(path, report::run_page(folder));
     emit("{}\n", path);
   }

@@ -15,7 +15,7 @@ struct Options {
   std::string ended_run, name, reason, junit;  ///< of verdict
   int code = 0;
   Launch launch;
-  bool as_json = false;
+  bool as_json = false, stay = false;
 };
 
 int check_files(const Options&);
