@@ -5,12 +5,14 @@ import contextlib
 import io
 import json
 import os
+import pathlib
 import shutil
 import subprocess
 import tempfile
 import unittest
 from unittest import mock
 
+import claims
 import output
 import rooms
 import sizes
@@ -243,6 +245,36 @@ class Output(unittest.TestCase):
             found = self.faults(**{"scripts/lab-a": library + line + "\n"})
             self.assertEqual(len(found), 1, (line, found))
             self.assertIn("scripts/lab-a:4:", found[0])
+
+
+class Claims(unittest.TestCase):
+    FILES = {
+        "README.md": "`scripts/lab run x --solo` with `lab-solo`, `LAB_RUNS`, `simulator.dt`, `controller.kp`; EVENT `push`; fifteen example programs\n",
+        "CHANGELOG.md": "", "CONTRIBUTING.md": "", "CMakeLists.txt": "",
+        "scripts/lab-run": "# --solo\nLAB_RUNS", "procs/solo/CMakeLists.txt": "add_executable(lab-solo main.cc)", "lab/a.cc": '"push"',
+        "lab/experiment/keys.h": '"simulator.dt"', "lab/experiment/gains.h": '"kp"', "scripts/lab-render": "", "scripts/lab-bench": "",
+        **{f"examples/{n}.cc": "" for n in range(15)},
+    }
+
+    def findings(self, page):
+        with tempfile.TemporaryDirectory() as root:
+            for name, text in {**self.FILES, "docs/page.md": page}.items():
+                path = pathlib.Path(root, name)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text)
+            return list(claims.findings(pathlib.Path(root)))
+
+    def test_what_is_there_may_be_named(self):
+        self.assertEqual(self.findings(""), [])
+
+    def test_what_is_not_there_may_not(self):
+        for page, said in (("`scripts/lab fly`", "no verb 'fly'"), ("```\nscripts/lab run x --fast\n```", "run does not know --fast"),
+                           ("`lab-fly`", "no program lab-fly"), ("`LAB_WINGS=2`", "nothing reads LAB_WINGS"),
+                           ("`simulator.wind`", "no key simulator.wind"), ("`controller.ki`", "no key controller.ki"),
+                           ("EVENT `fly`", "no EVENT 'fly'"), ("14 example programs", "examples/[0-9]*.cc are 15")):
+            found = self.findings(page)
+            self.assertEqual(len(found), 1, (page, found))
+            self.assertIn(said, found[0])
 
 
 if __name__ == "__main__":
