@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -54,9 +55,9 @@ std::string mistake(const CLI::App& app, const CLI::ParseError& error, int argc,
   if (!word.empty()) return "unexpected argument '" + word + "'";
   if (no_verb) return "no verb given; there are " + verbs;
   std::string text = error.what();
-  // CLI11 writes the bound of a positive number with all its 309 digits
-  if (const size_t at = text.find(" not in range 0"); at != std::string::npos && text.size() > at + 300)
-    text = text.substr(0, at) + " must be above 0";
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
+    if (const size_t at = text.find(": 1 required "); at != std::string::npos)
+      return text.substr(0, at) + " needs a value";
   if (const size_t comma = text.rfind(',');
       dynamic_cast<const CLI::ConversionError*>(&error) && comma != std::string::npos)
     text += " (a decimal comma? write a point)";
@@ -82,13 +83,36 @@ int refuse(const std::string& program, const std::string& why, int code) {
   return code;
 }
 
+namespace {
+
+/// Why a word is no number that `is_right`; "" if it is one.
+std::string number_fault(const std::string& word, const std::string& wanted,
+                         const std::function<bool(double)>& is_right) {
+  char* end = nullptr;
+  const double value = std::strtod(word.c_str(), &end);
+  if (!word.empty() && *end == '\0' && is_right(value)) return "";
+  return "must be a number " + wanted + ", not '" + word + "'" +
+         (word.find(',') == std::string::npos ? "" : " (a decimal comma? write a point)");
+}
+
+}  // namespace
+
 Option Option::required() { return Option(option_->required()); }
 Option Option::needs(Option other) { return Option(option_->needs(other.option_)); }
 Option Option::excludes(Option other) { return Option(option_->excludes(other.option_)); }
 Option Option::env(const std::string& variable) { return Option(option_->envname(variable)); }
 Option Option::show_default() { return Option(option_->capture_default_str()); }
-Option Option::positive() { return Option(option_->check(CLI::PositiveNumber)); }
-Option Option::range(double least, double most) { return Option(option_->check(CLI::Range(least, most))); }
+Option Option::positive() {
+  return check([](const std::string& word) {
+    return number_fault(word, "above 0", [](double x) { return x > 0 && std::isfinite(x); });
+  });
+}
+Option Option::range(double least, double most) {
+  return check([least, most](const std::string& word) {
+    return number_fault(word, fmt::format("from {:g} to {:g}", least, most),
+                        [&](double x) { return least <= x && x <= most; });
+  });
+}
 Option Option::one_of(std::vector<std::string> words) {
   return Option(option_->check(CLI::IsMember(std::move(words))));
 }
@@ -121,7 +145,7 @@ template Option CommandLine::option(const std::string&, std::vector<double>&, co
 Option CommandLine::read(const std::string& names, std::function<std::string(const std::string&)> take,
                          const std::string& help) {
   const auto each = [names, take = std::move(take)](const std::string& word) {
-    if (const std::string fault = take(word); !fault.empty()) throw CLI::ValidationError(names, fault);
+    if (const std::string fault = take(word); !fault.empty()) throw CLI::ValidationError(fault);
   };
   return Option(app_->add_option(names, help)->each(each));
 }
