@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -58,9 +59,6 @@ std::string mistake(const CLI::App& app, const CLI::ParseError& error, int argc,
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
     if (const size_t at = text.find(": 1 required "); at != std::string::npos)
       return text.substr(0, at) + " needs a value";
-  if (const size_t comma = text.rfind(',');
-      dynamic_cast<const CLI::ConversionError*>(&error) && comma != std::string::npos)
-    text += " (a decimal comma? write a point)";
   return text;
 }
 
@@ -91,7 +89,7 @@ std::string number_fault(const std::string& word, const std::string& wanted,
   char* end = nullptr;
   const double value = std::strtod(word.c_str(), &end);
   if (!word.empty() && *end == '\0' && is_right(value)) return "";
-  return "must be a number " + wanted + ", not '" + word + "'" +
+  return "must be a number" + (wanted.empty() ? "" : " " + wanted) + ", not '" + word + "'" +
          (word.find(',') == std::string::npos ? "" : " (a decimal comma? write a point)");
 }
 
@@ -128,23 +126,81 @@ bool Option::given() const { return option_->count() > 0; }
 CommandLine::CommandLine(const std::string& program, const std::string& purpose)
     : app_(std::make_shared<CLI::App>(purpose, program)) {}
 
+namespace {
+
+// CLI11's own conversions are templates that cost ten seconds to compile, and say "Could not convert".
 template <typename T>
-Option CommandLine::option(const std::string& names, T& value, const std::string& help) {
-  return Option(app_->add_option(names, value, help));
+T number_of(const std::string& word) {
+  T value{};
+  const char* end = word.data() + word.size();
+  const auto [rest, error] = std::from_chars(word.data(), end, value);
+  constexpr bool kWhole = std::is_integral_v<T>;
+  if (error != std::errc() || rest != end || !std::isfinite(static_cast<double>(value)))
+    throw CLI::ValidationError(
+        number_fault(word, kWhole ? "without a fraction" : "", [](double) { return false; }));
+  return value;
 }
-template Option CommandLine::option(const std::string&, std::string&, const std::string&);
-template Option CommandLine::option(const std::string&, int&, const std::string&);
-template Option CommandLine::option(const std::string&, int64_t&, const std::string&);
-template Option CommandLine::option(const std::string&, double&, const std::string&);
-template Option CommandLine::option(const std::string&, std::optional<int64_t>&, const std::string&);
-template Option CommandLine::option(const std::string&, std::optional<std::string>&, const std::string&);
-template Option CommandLine::option(const std::string&, std::optional<double>&, const std::string&);
-template Option CommandLine::option(const std::string&, std::vector<std::string>&, const std::string&);
-template Option CommandLine::option(const std::string&, std::vector<double>&, const std::string&);
+
+CLI::Option* add(CLI::App& app, const std::string& names, const std::string& help, const char* type,
+                 const std::function<void(const CLI::results_t&)>& take) {
+  const auto callback = [take](const CLI::results_t& words) {
+    take(words);
+    return true;
+  };
+  return app.add_option(names, callback, help)->type_name(type);
+}
+
+template <typename Number, typename T>
+CLI::Option* add_number(CLI::App& app, const std::string& names, const std::string& help, T& value) {
+  return add(app, names, help, std::is_integral_v<Number> ? "INT" : "FLOAT",
+             [&value](const CLI::results_t& words) { value = number_of<Number>(words.back()); });
+}
+
+}  // namespace
+
+Option CommandLine::option(const std::string& names, std::string& value, const std::string& help) {
+  CLI::Option* option =
+      add(*app_, names, help, "TEXT", [&value](const CLI::results_t& words) { value = words.back(); });
+  option->default_function([&value] { return value; });
+  return Option(option);
+}
+Option CommandLine::option(const std::string& names, std::optional<std::string>& value,
+                           const std::string& help) {
+  return Option(
+      add(*app_, names, help, "TEXT", [&value](const CLI::results_t& words) { value = words.back(); }));
+}
+Option CommandLine::option(const std::string& names, int& value, const std::string& help) {
+  return Option(add_number<int>(*app_, names, help, value));
+}
+Option CommandLine::option(const std::string& names, int64_t& value, const std::string& help) {
+  return Option(add_number<int64_t>(*app_, names, help, value));
+}
+Option CommandLine::option(const std::string& names, std::optional<int64_t>& value, const std::string& help) {
+  return Option(add_number<int64_t>(*app_, names, help, value));
+}
+Option CommandLine::option(const std::string& names, double& value, const std::string& help) {
+  return Option(add_number<double>(*app_, names, help, value));
+}
+Option CommandLine::option(const std::string& names, std::optional<double>& value, const std::string& help) {
+  return Option(add_number<double>(*app_, names, help, value));
+}
+Option CommandLine::option(const std::string& names, std::vector<std::string>& values,
+                           const std::string& help) {
+  CLI::Option* option =
+      add(*app_, names, help, "TEXT", [&values](const CLI::results_t& words) { values = words; });
+  return Option(option->expected(CLI::detail::expected_max_vector_size));
+}
+Option CommandLine::option(const std::string& names, std::vector<double>& values, const std::string& help) {
+  CLI::Option* option = add(*app_, names, help, "FLOAT", [&values](const CLI::results_t& words) {
+    values.clear();
+    for (const std::string& word : words) values.push_back(number_of<double>(word));
+  });
+  return Option(option->expected(CLI::detail::expected_max_vector_size));
+}
 
 Option CommandLine::read(const std::string& names, std::function<std::string(const std::string&)> take,
                          const std::string& help) {
-  const auto each = [names, take = std::move(take)](const std::string& word) {
+  const auto each = [take = std::move(take)](const std::string& word) {
     if (const std::string fault = take(word); !fault.empty()) throw CLI::ValidationError(fault);
   };
   return Option(app_->add_option(names, help)->each(each));

@@ -1,6 +1,7 @@
 // The command lines of all programs: one parser, and one style in which a program says what is wrong. The parser is CLI11, whose
 // header costs ten seconds of compile time in each file that includes it: only command_line.cc does.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -42,10 +43,16 @@ class CommandLine {
  public:
   CommandLine(const std::string& program, const std::string& purpose);
 
-  /// `names`: "-o,--output", or a word without dashes for a positional. T: std::string, int, int64_t, double, vectors of
-  /// strings or numbers, std::optional of a string or number.
-  template <typename T>
-  Option option(const std::string& names, T& value, const std::string& help);
+  /// `names`: "-o,--output", or a word without dashes for a positional.
+  Option option(const std::string& names, std::string& value, const std::string& help);
+  Option option(const std::string& names, std::optional<std::string>& value, const std::string& help);
+  Option option(const std::string& names, int& value, const std::string& help);
+  Option option(const std::string& names, int64_t& value, const std::string& help);
+  Option option(const std::string& names, std::optional<int64_t>& value, const std::string& help);
+  Option option(const std::string& names, double& value, const std::string& help);
+  Option option(const std::string& names, std::optional<double>& value, const std::string& help);
+  Option option(const std::string& names, std::vector<std::string>& values, const std::string& help);
+  Option option(const std::string& names, std::vector<double>& values, const std::string& help);
   /// `take` gets the word; it returns "" or what is wrong with it.
   Option read(const std::string& names, std::function<std::string(const std::string&)> take,
               const std::string& help);
