@@ -90,7 +90,7 @@ def test_spy(strangers):
 
 
 def test_ps_is_not_blinded(strangers, runs):
-    lab.ok(lab.call(runs, "up", "cubic_pd", "-d"))
+    lab.ok(lab.call(runs, "up", "cubic_pd", "-d", "--stay"))
     lab.ok(lab.call(runs, "wait", "--ready", "--timeout", "60"))
     [one] = json.loads(lab.ok(lab.call(runs, "ps", "--json")))
     states = {p["name"]: p["state"] for p in one["processes"]}
