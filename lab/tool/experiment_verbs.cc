@@ -35,8 +35,9 @@ void print_warnings(const std::vector<std::string>& warnings) {
 
 /// Prints what is wrong with a log. False if its figures are not those of the whole run.
 bool print_findings(const LoggedRun& logged) {
+  if (logged.whole()) return true;
   for (const std::string& line : lines_of(logged.log)) complain("lab-experiment", logged.path + ": " + line);
-  return logged.whole();
+  return false;
 }
 
 /// The same for what a page is made of, which may have no log at all.

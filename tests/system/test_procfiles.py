@@ -31,7 +31,8 @@ def test_one_line_replaces_a_process_and_keeps_the_others(runs, tmp_path):
     assert "\"mine\\\\ is: 'this' # one\"" in mine, "the line as it was written"
     assert lines[-1] == "#lab: controller max=3"
     ok(call(runs, "goal", "joint2_shoulder=0.3", "--duration", "0.5", "--wait"))
-    ok(call(runs, "report", "my"))
+    done = call(runs, "report", "my")
+    assert (done.returncode, done.stderr) == (0, "")
     page = (folder / "report.html").read_text()
     assert "The run goes on: this page covers its first" in page and "goes on" in page and "10000000000" not in page
     ok(call(runs, "down"))
