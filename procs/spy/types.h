@@ -1,5 +1,6 @@
 // The message types that a spy can decode.
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,12 +11,15 @@ namespace lab::spy {
 /// The types that a spy knows: the lab's own, those of .lcm files, those that TYPE messages bring.
 class Types {
  public:
-  /// `folder` with .lcm files, searched with its subfolders; empty = none. Throws SchemaError.
-  explicit Types(const std::string& folder);
+  /// `paths`: .lcm files, and folders that are searched for them with their subfolders. What cannot be used is left out:
+  /// warn(`FILE:LINE: what is wrong`).
+  Types(const std::vector<std::string>& paths, const std::function<void(const std::string&)>& warn);
   /// Takes the text of a TYPE message; what cannot be parsed beside the others is left out.
   void learn(const std::string& source);
   /// The type of a message: by its channel if the lab has that, else by its fingerprint; null if it is not known.
   const Type* of(std::string_view channel, std::span<const uint8_t> bytes) const;
+  /// Its name; of structs with equal fingerprints all names, a.pose_t|b.pose_t; `? FINGERPRINT` if it is not known.
+  std::string name_of(std::string_view channel, std::span<const uint8_t> bytes) const;
   const Schema& schema() const { return schema_; }
 
  private:

@@ -174,13 +174,26 @@ def test_wrong_data_is_told_and_survived(bus, channel):
         assert bad and all("needs 8000000000 bytes" in m["error"] or "-5" in m["error"] for m in bad), seen
 
 
-def test_wrong_use_is_one_line(folder):
-    for words in (["echo", "POSE", "--once", "--types", "/nowhere"], ["echo", "POSE", "--once", "--types", str(folder / "python")]):
-        assert "no .lcm file there" in spy(*words, code=2)
+def test_types_that_cannot_be_used_are_a_warning_and_the_rest_is_used(folder, bus):
+    if not bus:
+        pytest.skip("the types come from the bus")
     broken = folder / "broken"
     broken.mkdir(exist_ok=True)
     (broken / "x.lcm").write_text("package x;\nstruct a_t { int32_t n; double v[m]; }\n")
-    assert "x.lcm:2:" in spy("echo", "POSE", "--once", "--types", str(broken), code=2)
+    (broken / "y.lcm").write_text("package alike; struct stranger_t { int32_t whatever; }")  # as geo.stranger_t
+    words = ["--types", "/nowhere", "--types", str(folder / "python"), "--types", str(broken), *bus]
+    done = subprocess.run([SPY, "echo", "STRANGE", "--once", "--json", *words, "-l", URL], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["type"] == "alike.stranger_t|geo.stranger_t"
+    assert done.stderr.splitlines() == [
+        "lab-spy: warning: /nowhere: there is no such file or folder",
+        f"lab-spy: warning: {folder}/python: there is no .lcm file in this folder",
+        f"lab-spy: warning: {broken}/x.lcm:2: array size 'm' is neither a number nor a member or constant declared before"]
+    there = {c["channel"]: c["type"] for c in json.loads(spy("list", "--for", "0.5", "--json", *words))}
+    assert there["STRANGE"] == "alike.stranger_t|geo.stranger_t" and there["POSE"] == "geo.pose_t"
+
+
+def test_wrong_use_is_one_line():
     assert spy("echo", "POSE", "-n", "0", code=2)
 
 

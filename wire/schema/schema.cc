@@ -4,11 +4,11 @@
 #include <limits>
 
 #include "wire/schema/schema_parse.h"
+#include "wire/schema/schema_texts.h"
 
 namespace lab {
 namespace {
 
-constexpr int kMaxCounts = 32;            // members of one struct that count others
 constexpr int kMaxHashSteps = 1'000'000;  // bounds the time for types that nest each other
 
 uint8_t width_of(Kind kind) {
@@ -97,50 +97,38 @@ class Fingerprints {
 
 }  // namespace
 
-Schema::Schema(std::vector<Source> sources) : sources_(std::move(sources)) {
-  std::map<std::string, int, std::less<>> enum_names;
-  std::vector<std::vector<int>> lines;
-  const auto where = [&](int source, int line) {
-    return sources_[source].file + ":" + std::to_string(line) + ": ";
-  };
-  for (size_t i = 0; i < sources_.size(); ++i) {
-    Declarations found = parse_lcm(sources_[i]);
-    for (EnumType& e : found.enums) {
-      if (!enum_names.emplace(e.name, static_cast<int>(enums_.size())).second) {
-        throw SchemaError(sources_[i].file + ": enum " + e.name + " is declared twice");
-      }
-      enums_.push_back(std::move(e));
-    }
-    for (Type& t : found.types) {
-      t.source = static_cast<int>(i);
+Schema::Schema(std::vector<Source> sources)
+    : Schema(std::move(sources), [](const std::string& why) { throw SchemaError(why); }) {}
+
+Schema::Schema(std::vector<Source> sources, const std::function<void(const std::string&)>& fault) {
+  for (ParsedSource& parsed : parse_together(std::move(sources), fault)) {
+    for (EnumType& e : parsed.declared.enums) enums_.push_back(std::move(e));
+    for (Type& t : parsed.declared.types) {
+      t.source = static_cast<int>(sources_.size());
       t.index = static_cast<int>(types_.size());
-      const auto [at, is_new] = by_name_.emplace(t.name, t.index);
-      if (!is_new) {
-        throw SchemaError(sources_[i].file + ": struct " + t.name + " is declared twice, before in " +
-                          sources_[types_[at->second].source].file);
-      }
+      by_name_.emplace(t.name, t.index);
       types_.push_back(std::move(t));
     }
-    for (auto& l : found.field_lines) lines.push_back(std::move(l));
+    sources_.push_back(std::move(parsed.source));
   }
-  for (Type& t : types_) {
-    for (size_t i = 0; i < t.fields.size(); ++i) {
-      Field& f = t.fields[i];
-      if (f.kind != Kind::Struct) continue;
-      if (const auto s = by_name_.find(f.type_name); s != by_name_.end()) {
-        f.type = s->second;
-      } else if (const auto e = enum_names.find(f.type_name); e != enum_names.end()) {
-        f.kind = Kind::Enum;
-        f.type = e->second;
-      } else {
-        throw SchemaError(where(t.source, lines[t.index][i]) + "member '" + f.name + "' of " + t.name +
-                          " has the unknown type '" + f.type_name + "'");
-      }
-    }
-  }
+  resolve_names();
   Fingerprints fingerprints(types_, enums_);
   for (Type& t : types_) t.fingerprint = fingerprints.of(t.index);
   compile();
+}
+
+// Every name is that of a struct or of an enum.
+void Schema::resolve_names() {
+  std::map<std::string, int, std::less<>> enum_names;
+  for (size_t i = 0; i < enums_.size(); ++i) enum_names.emplace(enums_[i].name, static_cast<int>(i));
+  for (Type& t : types_) {
+    for (Field& f : t.fields) {
+      if (f.kind != Kind::Struct) continue;
+      const auto s = by_name_.find(f.type_name);
+      if (s == by_name_.end()) f.kind = Kind::Enum;
+      f.type = s != by_name_.end() ? s->second : enum_names.at(f.type_name);
+    }
+  }
 }
 
 // The operation for a member of that kind; `counts`: it is the size of an array.
@@ -178,10 +166,6 @@ void Schema::compile() {
       for (const Dim& d : f.dims) {
         if (d.member >= 0 && slot[d.member] < 0) slot[d.member] = slots++;
       }
-    }
-    if (slots > kMaxCounts) {
-      throw SchemaError(t.name + " has " + std::to_string(slots) + " members that are array sizes, at most " +
-                        std::to_string(kMaxCounts) + " are supported");
     }
     for (size_t i = 0; i < t.fields.size(); ++i) {
       const Field& f = t.fields[i];
@@ -223,6 +207,13 @@ const Type* Schema::find(int64_t fingerprint) const {
   const auto it =
       std::find_if(types_.begin(), types_.end(), [&](const Type& t) { return t.fingerprint == fingerprint; });
   return it == types_.end() ? nullptr : &*it;
+}
+
+std::vector<const Type*> Schema::all_of(int64_t fingerprint) const {
+  std::vector<const Type*> found;
+  for (const Type& t : types_)
+    if (t.fingerprint == fingerprint) found.push_back(&t);
+  return found;
 }
 
 int Schema::fixed_offset(const Type& type, std::string_view field) const {

@@ -3,6 +3,7 @@
 // has them.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <stdexcept>
@@ -20,7 +21,7 @@ enum class Kind : uint8_t { Int8, Int16, Int32, Int64, Byte, Float, Double, Stri
 struct Dim {
   int64_t size = 0;  ///< elements; when member >= 0 not used
   int member = -1;   ///< index of the member that counts; -1 = fixed
-  std::string text;  ///< as written: part of the fingerprint
+  std::string text;  ///< as written (of a constant: its value): part of the fingerprint
 };
 
 struct Field {
@@ -69,11 +70,14 @@ class Schema {
  public:
   /// Parses all texts and resolves all names; throws SchemaError.
   explicit Schema(std::vector<Source> sources);
+  /// The same of those texts that can be used together; calls fault(`file:line: what is wrong`) for each other one.
+  Schema(std::vector<Source> sources, const std::function<void(const std::string&)>& fault);
 
   const std::vector<Type>& types() const { return types_; }
   const std::vector<Source>& sources() const { return sources_; }
   const Type* find(std::string_view name) const;  ///< by full name; null if there is none
   const Type* find(int64_t fingerprint) const;  ///< the first of that fingerprint; two equal structs collide
+  std::vector<const Type*> all_of(int64_t fingerprint) const;
 
   /// Why the bytes are not a message of that type, naming the field, the value seen and the bound; empty =
   /// they are. The generated decoder is safe for accepted bytes: every count, length and depth is
@@ -104,6 +108,7 @@ class Schema {
   struct Program {
     uint32_t begin = 0, end = 0;  // in ops_
   };
+  void resolve_names();
   static Op::Code code_of(Kind kind, bool counts);
   void compile();
 

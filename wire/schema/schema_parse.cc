@@ -1,5 +1,6 @@
 #include "wire/schema/schema_parse.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cerrno>
@@ -8,9 +9,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <set>
 
 namespace lab {
 namespace {
+
+constexpr size_t kMaxCounts = 32;  // members of one struct that count others
+constexpr size_t kShown = 60;      // bytes of a word in an error
 
 constexpr std::array<std::string_view, 9> kPrimitives = {"int8_t", "int16_t", "int32_t", "int64_t", "byte",
                                                          "float",  "double",  "string",  "boolean"};
@@ -60,7 +65,7 @@ class Parser {
       } else if (take("enum")) {
         parse_enum();
       } else {
-        fail("expected package, struct or enum, found '" + std::string(token_.text) + "'");
+        fail("expected package, struct or enum, found " + found());
       }
     }
     return std::move(out_);
@@ -69,6 +74,13 @@ class Parser {
  private:
   [[noreturn]] void fail(const std::string& what) const {
     throw SchemaError(file_ + ":" + std::to_string(token_.line) + ": " + what);
+  }
+
+  /// What is there, for an error.
+  std::string found() const {
+    if (token_.text.empty()) return "the end of the text";
+    const bool is_long = token_.text.size() > kShown;
+    return "'" + std::string(token_.text.substr(0, kShown)) + (is_long ? "..'" : "'");
   }
 
   void skip_blanks() {
@@ -118,15 +130,11 @@ class Parser {
 
   void require(std::string_view text) {
     if (take(text)) return;
-    fail("expected '" + std::string(text) + "', found " +
-         (token_.text.empty() ? "the end of the text" : "'" + std::string(token_.text) + "'"));
+    fail("expected '" + std::string(text) + "', found " + found());
   }
 
   std::string word(const char* what, bool dots = false) {
-    if (!is_word(token_.text, dots)) {
-      fail(std::string("expected ") + what + ", found " +
-           (token_.text.empty() ? "the end of the text" : "'" + std::string(token_.text) + "'"));
-    }
+    if (!is_word(token_.text, dots)) fail(std::string("expected ") + what + ", found " + found());
     std::string s(token_.text);
     advance();
     return s;
@@ -145,6 +153,7 @@ class Parser {
 
   void parse_struct() {
     Type type;
+    out_.type_lines.push_back(token_.line);
     type.name = full_name(word("a struct name", true));
     out_.field_lines.emplace_back();
     require("{");
@@ -158,6 +167,13 @@ class Parser {
         parse_members(type);
       }
     }
+    std::set<int> counts;
+    for (const Field& f : type.fields)
+      for (const Dim& d : f.dims)
+        if (d.member >= 0) counts.insert(d.member);
+    if (counts.size() > kMaxCounts)
+      fail(type.name + " has " + std::to_string(counts.size()) + " members that are array sizes, at most " +
+           std::to_string(kMaxCounts) + " are supported");
     out_.types.push_back(std::move(type));
   }
 
@@ -194,7 +210,10 @@ class Parser {
   Dim parse_dim(const Type& type) {
     Dim dim;
     dim.text = any("an array size");
-    if (std::isdigit(static_cast<unsigned char>(dim.text[0]))) {
+    const auto constant = std::find_if(type.constants.begin(), type.constants.end(),
+                                       [&](const Constant& c) { return c.name == dim.text; });
+    if (constant != type.constants.end()) dim.text = constant->value;  // since LCM 1.5
+    if (constant != type.constants.end() || std::isdigit(static_cast<unsigned char>(dim.text[0]))) {
       const auto n = integer(dim.text);
       if (!n || *n <= 0 || *n > INT32_MAX)
         fail("array size '" + dim.text + "' must be a whole number from 1 to 2147483647");
@@ -204,7 +223,7 @@ class Parser {
         if (type.fields[i].name == dim.text) dim.member = static_cast<int>(i);
       }
       if (dim.member < 0)
-        fail("array size '" + dim.text + "' is neither a number nor a member declared before");
+        fail("array size '" + dim.text + "' is neither a number nor a member or constant declared before");
       const Field& count = type.fields[dim.member];
       if (!count.dims.empty() || !is_count(count.kind))
         fail("array size '" + dim.text + "' must be a single integer member");
@@ -249,6 +268,7 @@ class Parser {
 
   void parse_enum() {
     EnumType type;
+    out_.enum_lines.push_back(token_.line);
     const std::string name = word("an enum name", true);
     type.name = full_name(name);
     type.fingerprint = enum_hash(std::string_view(name).substr(name.rfind('.') + 1));

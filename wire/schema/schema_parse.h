@@ -11,7 +11,9 @@ namespace lab {
 struct Declarations {
   std::vector<Type> types;
   std::vector<EnumType> enums;
-  std::vector<std::vector<int>> field_lines;  ///< per type, per field: for errors found later
+  // where they are, for errors found later
+  std::vector<int> type_lines, enum_lines;
+  std::vector<std::vector<int>> field_lines;  ///< per type, per field
 };
 
 /// Throws SchemaError "file:line: what".

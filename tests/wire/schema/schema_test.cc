@@ -34,7 +34,7 @@ TEST(SchemaParser, ErrorsNameFileAndLine) {
             "x.lcm:2: member 'o' of s has the unknown type 'other_t'");
   EXPECT_EQ(parse_error("struct s {\n int32_t a;\n int8_t a;\n}"), "x.lcm:3: two members named 'a'");
   EXPECT_EQ(parse_error("struct s {\n double x[n];\n int32_t n;\n}"),
-            "x.lcm:2: array size 'n' is neither a number nor a member declared before");
+            "x.lcm:2: array size 'n' is neither a number nor a member or constant declared before");
   EXPECT_EQ(parse_error("struct s { double n; double x[n]; }"),
             "x.lcm:1: array size 'n' must be a single integer member");
   EXPECT_EQ(parse_error("struct s { int8_t x[0]; }"),
@@ -46,9 +46,10 @@ TEST(SchemaParser, ErrorsNameFileAndLine) {
   EXPECT_EQ(parse_error("\n/* never"), "x.lcm:2: a comment that starts here never ends");
   EXPECT_EQ(parse_error("union s { }"), "x.lcm:1: expected package, struct or enum, found 'union'");
   EXPECT_EQ(parse_error("struct s { struct t { } }"), "x.lcm:1: a struct cannot be declared inside a struct");
-  EXPECT_EQ(parse_error("struct s { }\nstruct s { }"), "x.lcm: struct s is declared twice, before in x.lcm");
+  EXPECT_EQ(parse_error("struct s { }\nstruct s { }"),
+            "x.lcm:2: struct s is declared twice, before in x.lcm");
   EXPECT_EQ(parse_error("struct s { int32_t n[n]; }"),
-            "x.lcm:1: array size 'n' is neither a number nor a member declared before");
+            "x.lcm:1: array size 'n' is neither a number nor a member or constant declared before");
   EXPECT_EQ(parse_error("enum e { A = 1, B = 1 }"), "x.lcm:1: enum values 'A' and 'B' are the same");
   EXPECT_EQ(parse_error("enum e { A = 1, A = 2 }"), "x.lcm:1: enum values 'A' and 'A' are the same");
 }
@@ -83,6 +84,57 @@ struct p_t { int32_t n; color_t c; double x[n][3]; p_t kids[n]; byte raw[n]; boo
   EXPECT_EQ(static_cast<uint64_t>(s.find("a.b.p_t")->fingerprint), std::rotl(sum, 1));
   EXPECT_EQ(s.find("a.b.p_t")->fields[1].kind, Kind::Enum);
   EXPECT_EQ(s.find(s.find("a.b.p_t")->fingerprint), s.find("a.b.p_t"));
+}
+
+// 0x21f0.. and the others: lcm-gen 1.5.3 -p for these texts (1.3.1 has no such sizes)
+TEST(SchemaParser, ConstantsAsSizesAsLcmGen15HasThem) {
+  const auto own = [](const std::string& members) {
+    const Schema s = one("c.lcm", "struct c_t { " + members + " }");
+    return std::rotr(static_cast<uint64_t>(s.types()[0].fingerprint), 1);
+  };
+  EXPECT_EQ(own("const int32_t N = 3; double x[N];"), 0x21f0a3980ef3355au);
+  EXPECT_EQ(own("double x[3];"), 0x21f0a3980ef3355au);
+  EXPECT_EQ(own("const int32_t N = 0x3; double x[N];"), 0x5c67f10ccca84514u) << "the text counts";
+  EXPECT_EQ(own("int32_t n; const int8_t M = 2, K = 4; double x[n][M]; int8_t y[K];"), 0x8b452753fe93b620u);
+  const Schema s = one("c.lcm", "struct c_t { const int32_t N = 0x3; int8_t x[N][2]; }");
+  EXPECT_EQ(s.types()[0].fields[0].dims[0].size, 3);
+
+  EXPECT_EQ(parse_error("struct s { double x[N]; const int32_t N = 3; }"),
+            "x.lcm:1: array size 'N' is neither a number nor a member or constant declared before");
+  EXPECT_EQ(parse_error("struct s { const int32_t N = -3;\n double x[N]; }"),
+            "x.lcm:2: array size '-3' must be a whole number from 1 to 2147483647");
+  EXPECT_EQ(parse_error("struct s { const double N = 3.5; double x[N]; }"),
+            "x.lcm:1: array size '3.5' must be a whole number from 1 to 2147483647");
+  EXPECT_EQ(parse_error("struct o { const int32_t N = 3; } struct s { double x[N]; }"),
+            "x.lcm:1: array size 'N' is neither a number nor a member or constant declared before");
+}
+
+TEST(SchemaParser, OfManyTextsTheUsableOnesAreKept) {
+  std::vector<std::string> faults;
+  const Schema s(
+      {{"a.lcm", "package a; struct pose_t { double x; }"},
+       {"broken.lcm", "package b;\nstruct t { int32_t n; double v[m]; }"},
+       {"twice.lcm", "package a; struct new_t { int8_t i; }\nstruct pose_t { float x; }"},
+       {"needs_needs.lcm", "struct c { b x; }"},
+       {"needs.lcm", "struct b {\n lost.t x; }"},
+       {"uses.lcm", "struct d { a.pose_t x; a.new_t y; }"},
+       {"cousin.lcm", "package b; struct pose_t { double x; } struct e { a.pose_t p; a.kind_t k; }"},
+       {"kind.lcm", "package a; enum kind_t { A }"}},
+      [&](const std::string& why) { faults.push_back(why); });
+  EXPECT_EQ(faults,
+            (std::vector<std::string>{
+                "broken.lcm:2: array size 'm' is neither a number nor a member or constant declared before",
+                "twice.lcm:2: struct a.pose_t is declared twice, before in a.lcm",
+                "needs.lcm:2: member 'x' of b has the unknown type 'lost.t'",
+                "uses.lcm:1: member 'y' of d has the unknown type 'a.new_t'",
+                "needs_needs.lcm:1: member 'x' of c has the unknown type 'b'"}));
+  ASSERT_EQ(s.types().size(), 3u);
+  EXPECT_EQ(s.sources().size(), 3u);
+  EXPECT_EQ(s.sources()[s.find("b.e")->source].file, "cousin.lcm");
+  EXPECT_EQ(s.find("b.e")->fields[1].kind, Kind::Enum);
+  const auto equal = s.all_of(s.find("a.pose_t")->fingerprint);
+  ASSERT_EQ(equal.size(), 2u);
+  EXPECT_EQ(equal[0]->name + "|" + equal[1]->name, "a.pose_t|b.pose_t");
 }
 
 TEST(SchemaParser, DeepSharingIsNotExponential) {
