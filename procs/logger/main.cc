@@ -21,7 +21,8 @@ int run(int argc, char** argv) {
   line.option("-l,--lcm-url,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
   line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
       .env("LAB_PREFIX");
-  line.option("--deadline", deadline, "s without any message that end the process").positive();
+  line.option("--deadline", deadline, "s without a message from the simulator that end the process")
+      .positive();
   line.option("--ready", ready, "s to wait for RUN").positive();
   line.option("--quota-mb", quota,
               "of log.lcm and of telemetry.lcm: at half of it what was written becomes log.earlier.lcm, "

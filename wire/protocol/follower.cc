@@ -52,11 +52,12 @@ void FollowerRole::receive(Channel channel, std::span<const uint8_t> bytes, Micr
       break;
     case Channel::Process:
       if (const auto process = decode<process_t>(bytes); process.name == kSimulator) {
-        context_.idle_timer.reset();
-        if (run_)
-          run_->on_simulator_state(process.state);
-        else
+        if (!run_) {
           retry_timer_.trigger(now);  // its RUN may have come before its address was known
+          break;
+        }
+        context_.idle_timer.reset();
+        run_->on_simulator_state(process.state);
       }
       break;
     case Channel::End:
@@ -75,6 +76,7 @@ void FollowerRole::on_run(std::span<const uint8_t> bytes, Micros now) {
     return context_.fail(kBadConfig, error.what());
   }
   context_.run = message.run;
+  context_.idle_timer.reset();
   run_ = make_run_(context_);
   run_->start(config_.read_log, now);
 }

@@ -4,10 +4,20 @@
 
 #include <algorithm>
 #include <lab/need_t.hpp>
+#include <lab/process_t.hpp>
 
 #include "wire/schema/codec.h"
 
 namespace lab {
+namespace {
+
+/// What shows that the run goes on. Planner, controller and this process itself speak for as long as they are there.
+bool is_from_simulator(Channel channel, std::span<const uint8_t> bytes) {
+  if (channel == Channel::Process) return decode<process_t>(bytes).name == kSimulator;
+  return row(channel).publisher == Publisher::Simulator;
+}
+
+}  // namespace
 
 LoggerRole::LoggerRole(LoggerConfig config, BeginRun begin, RunLog::MakeTypes types, LogSink& sink,
                        Publish publish)
@@ -30,7 +40,7 @@ void LoggerRole::fail(int exit_code, const std::string& reason) {
 
 void LoggerRole::receive(Channel channel, std::span<const uint8_t> bytes, Micros now) try {
   if (outcome_.ended) return;
-  idle_timer_.reset();
+  if (policy_ && is_from_simulator(channel, bytes)) idle_timer_.reset();
   if (channel == Channel::Run) {
     if (!policy_) on_run(bytes);
   } else if (channel == Channel::End) {
@@ -71,6 +81,7 @@ void LoggerRole::on_run(std::span<const uint8_t> bytes) {
     policy_ = std::make_unique<RealtimeLogPolicy>(log_, config_.every);
   else
     policy_ = std::make_unique<LockstepLogPolicy>(log_, config_.every, retry_timer_, publish_);
+  idle_timer_.reset();
   log_.send_ack();
 }
 
@@ -95,8 +106,8 @@ void LoggerRole::tick(Micros now) try {
     fail(kNotReady, fmt::format("no RUN from the simulator in {:g} s", config_.ready_deadline * 1e-6));
   } else if (policy_ && idle_timer_.elapsed() > config_.deadline) {
     if (!log_.closed())
-      fail(kTransport,
-           fmt::format("nothing heard in {:g} s after step {}", config_.deadline * 1e-6, log_.written));
+      fail(kTransport, fmt::format("nothing from the simulator in {:g} s after step {}",
+                                   config_.deadline * 1e-6, log_.written));
     stop(now);
   }
 } catch (const std::exception& error) {

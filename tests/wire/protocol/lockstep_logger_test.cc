@@ -170,7 +170,7 @@ TEST(LockstepLogger, SilenceEndsItAndTheLogIsClosed) {
   bench.wait(1);
   EXPECT_TRUE(bench.logger.outcome().ended);
   EXPECT_EQ(bench.logger.outcome().exit_code, kTransport);
-  EXPECT_EQ(bench.logger.outcome().reason, "nothing heard in 10 s after step -1");
+  EXPECT_EQ(bench.logger.outcome().reason, "nothing from the simulator in 10 s after step -1");
   EXPECT_TRUE(bench.log.closed);
 }
 

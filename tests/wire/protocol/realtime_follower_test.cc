@@ -139,6 +139,21 @@ TEST_F(RealtimeController, WaitsForTheInputsThatAStateCounts) {
   EXPECT_EQ(actions_, 2);
 }
 
+// A simulator that speaks but has no RUN for us is none.
+TEST_F(RealtimeController, TheTimeToBeReadyIsCountedFromTheStart) {
+  ControllerRole role = make();
+  process_t process{};
+  process.name = kSimulator;
+  Micros now = 0;
+  for (; now <= FollowerConfig{}.ready_deadline; now += kRepeat) {
+    role.receive(Channel::Process, encode(process), now);
+    role.tick(now);
+    ASSERT_FALSE(role.outcome().ended) << now;
+  }
+  role.tick(now);
+  EXPECT_EQ(role.outcome().exit_code, kNotReady);
+}
+
 TEST(RealtimePlanner, PlansForTheStepAfterTheNewestState) {
   Sent sent;
   bool held = false;
