@@ -97,8 +97,8 @@ void LogFiles::open(int64_t run, LogKind kind,
   for (int64_t i = 0; i < whole->events && reader.next(event); ++i) {
     const auto channel = channel_of(event.channel);
     if (!channel) continue;  // whole_steps takes no file with such an event
-    if (begins_a_log(*channel))
-      begin_.push_back({*channel, event.utime, {event.data.begin(), event.data.end()}});
+    if (begins_a_log(*channel)) begin_.push_back({*channel, {event.data.begin(), event.data.end()}});
+    utime_ = event.utime;
     if (*channel == Channel::Check)
       unchecked_.reset();
     else
@@ -109,6 +109,7 @@ void LogFiles::open(int64_t run, LogKind kind,
 }
 
 void LogFiles::add_to_log(Channel channel, std::span<const uint8_t> bytes, int64_t utime) {
+  utime_ = utime;
   unchecked_.add(log_->add(utime, row(channel).name, bytes), utime);
   if (unchecked_.count() >= kCheckEvery) add_check();
 }
@@ -126,7 +127,7 @@ void LogFiles::append(Channel channel, std::span<const uint8_t> bytes, int64_t u
     return;
   }
   add_to_log(channel, bytes, utime);
-  if (begins_a_log(channel)) begin_.push_back({channel, utime, {bytes.begin(), bytes.end()}});
+  if (begins_a_log(channel)) begin_.push_back({channel, {bytes.begin(), bytes.end()}});
 }
 
 void LogFiles::flush() {
@@ -135,7 +136,7 @@ void LogFiles::flush() {
   add_check();
   log_->flush();
   begin_next_piece(log_, log_path_);
-  for (const Begin& event : begin_) add_to_log(event.channel, event.bytes, event.utime);
+  for (const Begin& event : begin_) add_to_log(event.channel, event.bytes, utime_);
   log_->flush();
 }
 

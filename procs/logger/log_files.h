@@ -14,7 +14,7 @@ namespace lab::logger {
 /// close(), telemetry.lcm when this object ends.
 ///
 /// With a quota each file is split at half of it: what was written becomes NAME.earlier.lcm, in place of the one
-/// before, and the file begins anew (log.lcm with RUN and TYPE, so that it is a log by itself). So the newest half at least
+/// before, and the file begins anew (log.lcm with RUN and TYPE, at the time at which the one before ends, so that it is a log by itself). So the newest half at least
 /// is kept, and the disk holds no more than the quota of each.
 class LogFiles : public LogSink {
  public:
@@ -34,7 +34,6 @@ class LogFiles : public LogSink {
  private:
   struct Begin {
     Channel channel;
-    int64_t utime;
     std::vector<uint8_t> bytes;
   };
   void add_to_log(Channel channel, std::span<const uint8_t> bytes, int64_t utime);
@@ -44,6 +43,7 @@ class LogFiles : public LogSink {
   const uint64_t split_;      ///< bytes of a piece; 0 = never
   int64_t run_ = 0;           ///< of log.lcm
   LogKind kind_;              ///< of log.lcm
+  int64_t utime_ = 0;         ///< of its last event
   EventHash unchecked_;       ///< the events that no CHECK covers yet
   std::vector<Begin> begin_;  ///< what each piece of log.lcm begins with: RUN and TYPE
   std::unique_ptr<LogWriter> log_, telemetry_;

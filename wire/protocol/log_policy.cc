@@ -81,6 +81,28 @@ void LockstepLogPolicy::request(int64_t step) const {
 }
 
 void RealtimeLogPolicy::receive(Channel channel, std::span<const uint8_t> bytes, Micros) {
+  if (channel == Channel::RobotState) set_time(peek_utime(bytes));
+  if (utime_)
+    write(channel, bytes);
+  else if (early_.size() < static_cast<size_t>(kWindow))
+    early_.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
+  else
+    ++late_;
+}
+
+void RealtimeLogPolicy::on_end(Micros) {
+  set_time(log_.end()->utime);
+  log_.close();
+}
+
+void RealtimeLogPolicy::set_time(int64_t utime) {
+  utime_ = std::max(utime_.value_or(utime), utime);
+  log_.begin(*utime_);
+  for (const auto& [channel, bytes] : early_) write(channel, bytes);
+  early_.clear();
+}
+
+void RealtimeLogPolicy::write(Channel channel, std::span<const uint8_t> bytes) {
   if (channel == Channel::Input) {
     const int64_t seq = decode<input_t>(bytes).input_seq;
     if (seq <= input_seq_) return;  // re-sent for another process
@@ -88,7 +110,7 @@ void RealtimeLogPolicy::receive(Channel channel, std::span<const uint8_t> bytes,
   }
   const int64_t step = peek_step(bytes);
   if (step % every_ == 0 || channel == Channel::Input || channel == Channel::Event)
-    log_.append(channel, bytes, peek_utime(bytes));
+    log_.append(channel, bytes, *utime_);
   if (channel == Channel::RobotState) log_.written = std::max(log_.written, step);
 }
 

@@ -49,18 +49,25 @@ class LockstepLogPolicy : public LogPolicy {
   int64_t gap_at_ = kBeforeStart - 1;  ///< last step written when a gap was last noticed
 };
 
-/// Writes what arrives, in that order.
+/// Writes what arrives, in that order. The log has one clock: an event's time is that of the newest ROBOT_STATE, so that it
+/// never goes back, and RUN and TYPE have that of the first.
 class RealtimeLogPolicy : public LogPolicy {
  public:
-  RealtimeLogPolicy(RunLog& log, int64_t every) : log_(log), every_(every), input_seq_(log.input_seq) {}
+  RealtimeLogPolicy(RunLog& log, int64_t every)
+      : log_(log), every_(every), input_seq_(log.input_seq), utime_(log.state_utime) {}
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
-  void on_end(Micros) override { log_.close(); }
+  void on_end(Micros) override;
 
  private:
+  void set_time(int64_t utime);
+  void write(Channel channel, std::span<const uint8_t> bytes);
+
   RunLog& log_;
   const int64_t every_;
-  int64_t input_seq_;  ///< of the last INPUT written
+  int64_t input_seq_;                             ///< of the last INPUT written
+  std::optional<int64_t> utime_;                  ///< of the newest ROBOT_STATE
+  std::vector<std::pair<Channel, Bytes>> early_;  ///< what came before the first, at most kWindow
 };
 
 }  // namespace lab

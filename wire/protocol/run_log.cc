@@ -19,19 +19,29 @@ bool RunLog::open(std::span<const uint8_t> run_bytes, const run_t& run, const Ru
   sink_.open(run_, kind, [&](Channel channel, std::span<const uint8_t> logged) {
     resumed = true;
     if (channel == Channel::Run || channel == Channel::Type) beginning_.add(channel, logged);
-    if (channel == Channel::RobotState) written = peek_step(logged);
+    if (channel == Channel::RobotState) {
+      written = peek_step(logged);
+      state_utime = peek_utime(logged);
+    }
     if (channel == Channel::Input) input_seq = decode<input_t>(logged).input_seq;
   });
   flushed_ = written;
   if (resumed) return true;
-  sink_.append(Channel::Run, run_bytes, run.utime);
-  beginning_.add(Channel::Run, run_bytes);
-  for (const Bytes& type : types(run_)) {
-    sink_.append(Channel::Type, type, 0);
-    beginning_.add(Channel::Type, type);
+  to_begin_.emplace_back(Channel::Run, Bytes(run_bytes.begin(), run_bytes.end()));
+  for (Bytes& type : types(run_)) to_begin_.emplace_back(Channel::Type, std::move(type));
+  if (!setup.realtime) {
+    begin(run.utime);
+    sink_.flush();
   }
-  sink_.flush();
   return false;
+}
+
+void RunLog::begin(int64_t utime) {
+  for (const auto& [channel, bytes] : to_begin_) {
+    sink_.append(channel, bytes, utime);
+    beginning_.add(channel, bytes);
+  }
+  to_begin_.clear();
 }
 
 void RunLog::set_end(std::span<const uint8_t> bytes) { end_ = decode<end_t>(bytes); }
@@ -44,6 +54,7 @@ void RunLog::flush() {
 
 void RunLog::close() {
   if (closed_) return;
+  begin(end_ ? end_->utime : 0);
   if (end_) {
     end_->check = 0;
     beginning_.add(Channel::End, encode(*end_));

@@ -40,10 +40,12 @@ class RunLog {
 
   /// The encoded TYPE messages of a run, in the order of the log.
   using MakeTypes = std::function<std::vector<Bytes>(int64_t run)>;
-  /// Opens the log with RUN and TYPE, or continues what an earlier process wrote of the same run: then true.
-  /// every_step: no step is left out.
+  /// Opens the log, or continues what an earlier process wrote of the same run: then true. In lockstep it begins with
+  /// RUN and TYPE at once, in real time with begin(). every_step: no step is left out.
   bool open(std::span<const uint8_t> run_bytes, const run_t& run, const RunSetup& setup, bool every_step,
             const MakeTypes& types);
+  /// Writes RUN and TYPE with that time, unless they are there.
+  void begin(int64_t utime);
   void append(Channel channel, std::span<const uint8_t> bytes, int64_t utime) {
     sink_.append(channel, bytes, utime);
   }
@@ -60,8 +62,9 @@ class RunLog {
   bool closed() const { return closed_; }
   int64_t flushed() const { return flushed_; }
 
-  int64_t written = kBeforeStart;  ///< last step appended
-  int64_t input_seq = 0;           ///< of the last INPUT when the log was opened
+  int64_t written = kBeforeStart;      ///< last step appended
+  int64_t input_seq = 0;               ///< of the last INPUT when the log was opened
+  std::optional<int64_t> state_utime;  ///< of the last ROBOT_STATE when the log was opened
 
  private:
   LogSink& sink_;
@@ -70,7 +73,8 @@ class RunLog {
   int64_t run_ = 0;
   int64_t flushed_ = kBeforeStart;  ///< last step that the kernel has
   std::optional<end_t> end_;
-  LogHash beginning_;  ///< RUN and TYPE, as written
+  std::vector<std::pair<Channel, Bytes>> to_begin_;  ///< RUN and TYPE, until they are written
+  LogHash beginning_;                                ///< RUN and TYPE, as written
   bool closed_ = false;
 };
 

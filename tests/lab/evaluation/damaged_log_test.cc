@@ -24,7 +24,7 @@
 #include "wire/log/checked_log.h"
 #include "wire/log/event_hash.h"
 #include "wire/log/log_reader.h"
-#include "wire/protocol/run_log.h"
+#include "wire/protocol/log_policy.h"
 #include "wire/schema/codec.h"
 
 namespace lab {
@@ -94,9 +94,8 @@ Bytes realtime_log(const std::string& dir, int64_t steps, bool with_end, uint64_
   const Publish nobody = [](Channel, std::span<const uint8_t>) {};
   RunLog log(files, nobody);
   log.open(encode(run), run, setup_of(open_run(run)), true, type_messages);
-  const auto add = [&](Channel channel, const Bytes& bytes) {
-    log.append(channel, bytes, peek_utime(bytes));
-  };
+  RealtimeLogPolicy policy(log, 1);
+  const auto add = [&](Channel channel, const Bytes& bytes) { policy.receive(channel, bytes, 0); };
   add(Channel::Reference, of_step(reference_t{}, run.run, 0));
   for (int64_t step = 0; step < steps; ++step) {
     if (step % 50 == 7) add(Channel::Event, of_step(event_t{}, run.run, step));
@@ -108,9 +107,10 @@ Bytes realtime_log(const std::string& dir, int64_t steps, bool with_end, uint64_
   log.flush();
   if (!with_end) return load(dir + "/log.lcm.part");
   end_t end{};
-  end.run = run.run, end.step = steps - 1, end.utime = 1'700'000'000'000'000;
+  end.run = run.run, end.step = steps - 1;
+  end.utime = 1'700'000'000'000'000 + 1000 * end.step;
   log.set_end(encode(end));
-  log.close();
+  policy.on_end(0);
   return load(dir + "/log.lcm");
 }
 

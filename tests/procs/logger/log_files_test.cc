@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -159,6 +160,42 @@ TEST_F(LogFilesTest, WithAQuotaTheNewestPiecesStayAndEachBeginsWithRunAndType) {
   }
   EXPECT_EQ(last.back(), "99");
   EXPECT_EQ(std::stoi(earlier.back()) + 1, std::stoi(last[2])) << "nothing is lost between them";
+}
+
+/// The times of a log's events.
+std::vector<int64_t> times_of(const std::string& path) {
+  std::vector<int64_t> out;
+  LogReader reader(path);
+  for (LogEvent event; reader.next(event);) out.push_back(event.utime);
+  return out;
+}
+
+// stock lcm-logplayer would wait for the hours between the start of a lab and the piece
+TEST_F(LogFilesTest, APieceBeginsAtTheTimeAtWhichTheOneBeforeEnds) {
+  const int64_t hour = 3'600'000'000;
+  const auto write = [&](LogFiles& files, int64_t first, int64_t last) {
+    for (int64_t step = first; step <= last; ++step) {
+      files.append(Channel::RobotState, state(7, step), hour + step);
+      files.flush();
+    }
+  };
+  killed([&] {
+    LogFiles files(folder_, 4000);
+    files.open(7, {.may_split = true, .checks = true}, [](Channel, std::span<const uint8_t>) {});
+    files.append(Channel::Run, beginning<run_t>(7), 1);
+    files.append(Channel::Type, beginning<type_t>(7), 1);
+    write(files, 0, 2);
+    _exit(0);
+  });
+  LogFiles files(folder_, 4000);
+  files.open(7, {.may_split = true, .checks = true}, [](Channel, std::span<const uint8_t>) {});
+  write(files, 2, 99);
+  files.close();
+  const auto earlier = times_of(folder_ + "/log.earlier.lcm"), last = times_of(folder_ + "/log.lcm");
+  EXPECT_EQ(last[0], earlier.back());
+  EXPECT_EQ(last[1], earlier.back());
+  EXPECT_TRUE(std::is_sorted(last.begin(), last.end()));
+  EXPECT_TRUE(std::is_sorted(earlier.begin(), earlier.end()));
 }
 
 TEST_F(LogFilesTest, ALockstepLogIsNeverSplit) {
