@@ -61,17 +61,10 @@ RunSetup setup_of(const RunView& run) {
           static_cast<int64_t>(std::floor(e.safety.timeout / e.simulator.dt + 1e-9))};
 }
 
-std::vector<Bytes> type_messages(int64_t run) {
+namespace {
+
+std::vector<Bytes> encode_types(int64_t run, const std::set<std::string>& names) {
   const Schema& schema = lab_schema();
-  std::set<std::string> names;
-  for (const ChannelRow& channel : kChannelTable)
-    if (channel.log_file == LogFile::Log) names.emplace(channel.type);
-  for (bool grown = true; grown;) {  // and the types inside them
-    grown = false;
-    for (const std::string& name : std::set<std::string>(names))
-      for (const Field& field : schema.find(name)->fields)
-        if (field.kind == Kind::Struct) grown |= names.insert(field.type_name).second;
-  }
   std::vector<Bytes> messages;
   for (const std::string& name : names) {
     const Type& type = *schema.find(name);
@@ -89,6 +82,28 @@ std::vector<Bytes> type_messages(int64_t run) {
     messages.push_back(encode(message));
   }
   return messages;
+}
+
+}  // namespace
+
+std::vector<Bytes> type_messages(int64_t run) {
+  const Schema& schema = lab_schema();
+  std::set<std::string> names;
+  for (const ChannelRow& channel : kChannelTable)
+    if (channel.log_file == LogFile::Log) names.emplace(channel.type);
+  for (bool grown = true; grown;) {  // and the types inside them
+    grown = false;
+    for (const std::string& name : std::set<std::string>(names))
+      for (const Field& field : schema.find(name)->fields)
+        if (field.kind == Kind::Struct) grown |= names.insert(field.type_name).second;
+  }
+  return encode_types(run, names);
+}
+
+std::vector<Bytes> all_type_messages(int64_t run) {
+  std::set<std::string> names;
+  for (const Type& type : lab_schema().types()) names.insert(type.name);
+  return encode_types(run, names);
 }
 
 ReadLog log_reader(const std::string& log_path) {

@@ -27,6 +27,9 @@ RunSetup setup_of(const RunView& run);
 /// The encoded TYPE messages of a run, sorted by name: one for each type that log.lcm may hold.
 std::vector<Bytes> type_messages(int64_t run);
 
+/// The same of every type that travels on the bus or is in a log.
+std::vector<Bytes> all_type_messages(int64_t run);
+
 /// Reads the whole steps that a run's log has so far, for a process that restarts. Messages of other
 /// runs are skipped; without a file there are none.
 ReadLog log_reader(const std::string& log_path);

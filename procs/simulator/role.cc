@@ -60,6 +60,7 @@ std::unique_ptr<SimulatorRole> make_role(const Experiment& experiment, const Rob
   const run_t run = make_run(experiment, robot);
   SimulatorConfig config;
   config.run = encode(run);
+  config.types = all_type_messages(run.run);
   config.run_id = run.run;
   config.model_hash = run.model_hash;
   config.wall_offset = wall_now() - monotonic_now();

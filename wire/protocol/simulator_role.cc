@@ -36,6 +36,20 @@ void SimulatorRole::announce() {
   publish_(Channel::Run, config_.run);
 }
 
+/// RUN and every TYPE in turn, one message at a time, for programs that joined the bus after the start. The processes of the
+/// run have RUN, and the logger writes TYPE by itself: they ignore this.
+void SimulatorRole::introduce(Micros now) {
+  if (phase_ > Phase::Running) return;
+  if (!next_introduction_) next_introduction_ = now + kIntroduce;
+  if (now < *next_introduction_) return;
+  next_introduction_ = now + kIntroduce;
+  if (introduced_ == 0)
+    publish_(Channel::Run, config_.run);
+  else
+    publish_(Channel::Type, config_.types[introduced_ - 1]);
+  introduced_ = (introduced_ + 1) % (config_.types.size() + 1);
+}
+
 /// Answers NEED(-1), which anybody may send.
 void SimulatorRole::publish_run_again(Micros now) {
   if (now - run_sent_ < kRunAgain) return;
@@ -280,6 +294,7 @@ void SimulatorRole::tick(Micros now) {
     case Phase::Over:
       break;
   }
+  introduce(now);
 }
 
 Micros SimulatorRole::wake() const {

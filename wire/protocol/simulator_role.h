@@ -17,7 +17,8 @@
 namespace lab {
 
 struct SimulatorConfig {
-  Bytes run;  ///< the encoded RUN message
+  Bytes run;                 ///< the encoded RUN message
+  std::vector<Bytes> types;  ///< the encoded TYPE messages, for programs that come late; may be empty
   int64_t run_id = 0, model_hash = 0;
   int nq = 0, nv = 0;
   double dt = 0;          ///< s
@@ -56,8 +57,9 @@ class SimulatorRole : public Role {
   static constexpr size_t kMaxInputs = 64;              ///< INPUTs for one step; more requests are refused
   static constexpr Micros kMaxRequestAge = 10'000'000;  ///< us, either way
   static constexpr Micros kNeighbourStays =
-      1'000'000;                               ///< us: so long after its last PROCESS it counts as there
-  static constexpr Micros kRunAgain = 20'000;  ///< us between two answers to NEED(-1)
+      1'000'000;                                 ///< us: so long after its last PROCESS it counts as there
+  static constexpr Micros kRunAgain = 20'000;    ///< us between two answers to NEED(-1)
+  static constexpr Micros kIntroduce = 150'000;  ///< us between two repetitions, of RUN and each TYPE in turn
   static constexpr int64_t kMaxSingleSteps = 1'000'000'000;
   static constexpr size_t kMaxSender = 256, kMaxReason = 1000;  ///< characters
   static constexpr size_t kMaxAnswer = 12'000;                  ///< of `get`
@@ -133,6 +135,7 @@ class SimulatorRole : public Role {
     bool ready = false;
   };
   void announce();
+  void introduce(Micros now);
   void on_process(const process_t& process, Micros now);
   void on_request(const request_t& request, Micros now);
   std::string why_not_now(const request_t& request, Micros now) const;
@@ -145,6 +148,8 @@ class SimulatorRole : public Role {
   std::string missing_processes() const;
 
   bool announced_ = false;
+  size_t introduced_ = 0;  ///< which message introduce() repeats next: 0 = RUN, then the types
+  std::optional<Micros> next_introduction_;
   Micros run_sent_ = INT64_MIN / 2;  ///< the last time that it was asked for
   std::map<std::string, Peer> peers_;
   std::set<std::string> closed_;  ///< listeners whose log is closed

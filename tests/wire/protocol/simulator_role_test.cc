@@ -8,6 +8,7 @@
 #include <lab/process_t.hpp>
 #include <lab/request_t.hpp>
 #include <lab/run_t.hpp>
+#include <lab/type_t.hpp>
 
 #include "tests/wire/protocol/message.h"
 #include "wire/protocol/lockstep_simulator.h"
@@ -26,6 +27,7 @@ class EitherSimulator : public testing::Test {
   EitherSimulator() {
     SimulatorConfig config;
     config.run = encode(message_of<run_t>(kRun, kBeforeStart));
+    config.types = {type("lab.a_t"), type("lab.b_t")};
     config.run_id = kRun;
     config.model_hash = kModel;
     config.nq = config.nv = 1;
@@ -41,6 +43,11 @@ class EitherSimulator : public testing::Test {
           sent_.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
         });
     simulator_->tick(0);
+  }
+  static Bytes type(const char* name) {
+    auto m = message_of<type_t>(kRun, kBeforeStart);
+    m.name = name;
+    return encode(m);
   }
   void process(const char* name, int64_t model_hash = kModel) {
     auto m = message_of<process_t>(kRun, kBeforeStart);
@@ -93,6 +100,30 @@ TYPED_TEST(EitherSimulator, SendsRunAgainToWhoAsksForItAlone) {
   EXPECT_EQ(this->count(Channel::Run), before + 1) << "not to a flood";
   this->need(kBeforeStart, 1'000'000 + SimulatorRole::kRunAgain);
   EXPECT_EQ(this->count(Channel::Run), before + 2);
+}
+
+// A program that joins at any time has RUN and every TYPE soon after; the run does not wait for that, and no tick has more to
+// send than one message.
+TYPED_TEST(EitherSimulator, RepeatsRunAndEveryTypeInTurn) {
+  this->start();
+  std::vector<Bytes> turn;
+  for (Micros now = 0; now <= 20 * SimulatorRole::kIntroduce; now += SimulatorRole::kIntroduce / 3) {
+    const int64_t before = this->count(Channel::Run) + this->count(Channel::Type);
+    this->simulator_->tick(now);
+    const int64_t more = this->count(Channel::Run) + this->count(Channel::Type) - before;
+    ASSERT_LE(more, 1);
+    for (const auto& [channel, bytes] : this->sent_)
+      if (more == 1 && (channel == Channel::Run || channel == Channel::Type)) turn.push_back(bytes);
+    this->sent_.clear();
+  }
+  ASSERT_EQ(turn.size(), 20u);
+  const Bytes run = encode(message_of<run_t>(kRun, kBeforeStart));
+  const std::vector<Bytes> wanted{run, this->type("lab.a_t"), this->type("lab.b_t")};
+  for (size_t i = 0; i < turn.size(); ++i) EXPECT_EQ(turn[i], wanted[i % 3]) << i;
+  this->process(kController, kModel + 1);  // which ends it
+  this->sent_.clear();
+  for (Micros now = 4'000'000; now < 6'000'000; now += kRepeat) this->simulator_->tick(now);
+  EXPECT_EQ(this->count(Channel::Run) + this->count(Channel::Type), 0) << "the run is over";
 }
 
 TYPED_TEST(EitherSimulator, ARequestOfANameThatIsTooLongIsCountedAndNotAnswered) {
