@@ -74,7 +74,8 @@ Image contact_sheet(const std::vector<Image>& images, const std::vector<std::str
     cell_width = std::max(cell_width, image.width);
     cell_height = std::max(cell_height, image.height);
   }
-  const int scale = std::max(1, cell_width / 180), gap = 4 * scale;
+  // a sheet is seen smaller than it is, on a page or a phone, so its captions are large
+  const int scale = std::max(1, cell_width / 100), gap = 4 * scale;
   const int caption = labels.empty() ? 0 : kGlyphRows * scale + gap;
   const int64_t width = gap + static_cast<int64_t>(columns) * (cell_width + gap);
   const int64_t height = gap + static_cast<int64_t>(rows) * (cell_height + caption + gap);

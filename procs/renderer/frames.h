@@ -12,6 +12,10 @@ namespace lab::renderer {
 /// The steps to draw for `fps` pictures per second of simulation time, first and last step included.
 std::vector<int64_t> steps_at_rate(double fps, double dt, int64_t last_step);
 
+/// The step of each picture of a film that lasts as long as the run: one for every 1/fps from the first step to the last, both
+/// included. Where a step takes longer than a picture, several show the same.
+std::vector<int64_t> steps_of_film(double fps, double dt, int64_t last_step);
+
 /// Makes a folder if it is not there, and those above it. Throws std::runtime_error with path and reason.
 void make_folder(const std::string& folder);
 

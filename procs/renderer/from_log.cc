@@ -144,11 +144,13 @@ struct Scratch {
 
 /// What is drawn at which steps.
 struct Plan {
-  double fps;                     ///< of a film
-  std::vector<int64_t> pictures;  ///< steps, as the three below
-  std::vector<int64_t> cells;     ///< of contact.png
-  std::vector<int64_t> samples;   ///< of traces and ghosts
-  int64_t ghosts;                 ///< of ghost.png; 0 = none
+  double fps;  ///< of a film
+  std::vector<int64_t>
+      film;  ///< steps, as the four below: of each picture of a film, some perhaps several times
+  std::vector<int64_t> pictures;
+  std::vector<int64_t> cells;    ///< of contact.png
+  std::vector<int64_t> samples;  ///< of traces and ghosts
+  int64_t ghosts;                ///< of ghost.png; 0 = none
 };
 
 Plan make_plan(const FromLog& job, const Experiment& experiment, const Logged& logged) {
@@ -158,20 +160,24 @@ Plan make_plan(const FromLog& job, const Experiment& experiment, const Logged& l
       (job.ghost.value_or(0) > 0 || job.contact > 0) && job.times.empty() && !job.fps && job.video.empty();
   const bool film_only = job.folder.empty();
   Plan plan{.fps = job.fps.value_or(job.video.empty() ? experiment.renderer.fps : kVideoRate),
+            .film = {},
             .pictures = {},
             .cells = {},
             .samples = {},
             .ghosts = job.ghost.value_or(job.times.empty() && !film_only ? experiment.renderer.ghost : 0)};
   if (!job.times.empty())
     plan.pictures = steps_at_times(job, dt, last_step);
+  else if (!job.video.empty())
+    plan.film = steps_of_film(plan.fps, dt, last_step);
   else if (!only_overviews)
     plan.pictures = steps_at_rate(plan.fps, dt, last_step);
   for (int64_t i = 0; i < job.contact; ++i)
     plan.cells.push_back(job.contact == 1 ? last_step : i * last_step / (job.contact - 1));
   for (int64_t step = 0; step < last_step; step += sample_gap(experiment)) plan.samples.push_back(step);
   plan.samples.push_back(last_step);
-  for (std::vector<int64_t>* steps : {&plan.pictures, &plan.cells, &plan.samples})
+  for (std::vector<int64_t>* steps : {&plan.film, &plan.pictures, &plan.cells, &plan.samples})
     *steps = nearest(logged.steps, std::move(*steps));
+  if (!plan.film.empty()) plan.pictures = plan.film;
   if (job.times.empty())  // fewer are logged than requested
     plan.pictures.erase(std::unique(plan.pictures.begin(), plan.pictures.end()), plan.pictures.end());
   return plan;
@@ -215,6 +221,26 @@ void draw_frames(const FromLog& job, const RunScene& run, const Moments& snapsho
         progress.show(index + 1);
         if (list_files && !progress.on_terminal()) emit("{}\n", frame_path(folder, index));
       });
+}
+
+/// The film: each picture for as long as it is the nearest one, by links to it in a folder of numbered ones.
+void write_film(const FromLog& job, const Plan& plan, const std::string& pictures, const std::string& scratch,
+                const std::string& title) {
+  const auto count = static_cast<int64_t>(plan.film.size());
+  std::string folder = pictures;
+  if (plan.film.size() != plan.pictures.size()) {
+    folder = scratch + "/film";
+    make_folder(folder);
+    for (int64_t i = 0; i < count; ++i) {
+      const auto shown =
+          std::lower_bound(plan.pictures.begin(), plan.pictures.end(), plan.film[static_cast<size_t>(i)]);
+      fs::create_symlink(fs::absolute(frame_path(pictures, shown - plan.pictures.begin())),
+                         frame_path(folder, i));
+    }
+  }
+  Progress progress(count, bar("video"));
+  write_video(job.video, folder, count, plan.fps, title, [&](int64_t done) { progress.show(done); });
+  emit("{}\n", job.video);
 }
 
 void write_overview(const Moments& snapshots, const std::string& folder) {
@@ -266,16 +292,11 @@ int render_log(const FromLog& job) {
   const std::string id = fmt::format("{:016x}", static_cast<uint64_t>(logged.run.run));
   const Moments snapshots = moments_of(read, plan.pictures);
   std::optional<Scratch> scratch;
-  if (job.folder.empty()) scratch.emplace(job.video);
-  const std::string folder = scratch ? scratch->folder : job.folder;
+  if (!job.video.empty()) scratch.emplace(job.video);
+  const std::string folder = job.folder.empty() ? scratch->folder : job.folder;
   if (!snapshots.empty()) draw_frames(job, run, snapshots, folder, {{"run", id}});
-  if (snapshots.size() > 1 && job.contact == 0 && !scratch) write_overview(snapshots, folder);
-  if (!job.video.empty()) {
-    const auto count = static_cast<int64_t>(snapshots.size());
-    Progress progress(count, bar("video"));
-    write_video(job.video, folder, count, plan.fps, "run " + id, [&](int64_t done) { progress.show(done); });
-    emit("{}\n", job.video);
-  }
+  if (snapshots.size() > 1 && job.contact == 0 && !job.folder.empty()) write_overview(snapshots, folder);
+  if (!job.video.empty()) write_film(job, plan, folder, scratch->folder, "run " + id);
   draw_overviews(job.folder, run, moments_of(read, plan.cells), plan.ghosts, {{"run", id}});
   return logged.log.complete() || (logged.log.sound() && is_being_written(path)) ? kOk : kCheckFailed;
 }

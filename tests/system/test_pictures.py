@@ -1,5 +1,6 @@
 """Pictures of whole runs: the live ones are those from the log, whoever draws them; and what goes wrong is one line."""
 import re
+import os
 import pathlib
 import shutil
 import struct
@@ -138,6 +139,45 @@ def test_video(run, tmp_path):
     done = render(run, "--video", tmp_path / "none" / "film.mp4", "--fps", 10, "-o", tmp_path / "frames")
     assert done.returncode == 1 and "none/film.mp4: cannot write the video: " in done.stderr and done.stderr.count("\n") == 1
     assert len(list((tmp_path / "frames").glob("0*.png"))) == 21
+
+
+FILM_LENGTHS = pytest.mark.parametrize("every,fps,dt", [(1, 30, 0.005), (20, 30, 0.005), (1, 100, 0.05), (7, 60, 0.01), (1, 3, 0.02)])
+# counts the pictures that it was given, in place of a film
+COUNTING_FFMPEG = """#!/bin/sh
+[ "$1" = -version ] && exit 0
+for last; do :; done
+for picture in [0-9]*.png; do [ -s "$picture" ] || exit 1; done
+ls | grep -c '^[0-9]*[.]png$' >"$last"
+"""
+
+
+@FILM_LENGTHS
+def test_a_film_has_as_many_pictures_as_the_run_is_long(tmp_path, every, fps, dt):
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "ffmpeg").write_text(COUNTING_FFMPEG)
+    (tmp_path / "bin" / "ffmpeg").chmod(0o755)
+    done = lab.run(lab.experiment(tmp_path, dt=dt, duration=2.0), tmp_path / "run", "--solo", "--no-report", "--set", f"logger.every={every}")
+    assert done.returncode == 0, done.stderr
+    done = render(tmp_path / "run", "--video", tmp_path / "film.mp4", "--fps", fps, "--size", "64x48", "--quality", "draft",
+                  before=("env", f"PATH={tmp_path / 'bin'}:{os.environ['PATH']}"))
+    assert done.returncode == 0, done.stderr
+    assert int((tmp_path / "film.mp4").read_text()) == 2 * fps + 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["bin", "film.mp4", "motion.yaml", "run"]
+
+
+@pytest.mark.ffmpeg
+@pytest.mark.skipif(not shutil.which("ffmpeg"), reason="ffmpeg is not installed")
+@FILM_LENGTHS
+def test_a_film_lasts_as_long_as_the_run(tmp_path, every, fps, dt):
+    """Few logged steps, long steps, many pictures: 2 s of simulation are 2 s of film, to one picture."""
+    done = lab.run(lab.experiment(tmp_path, dt=dt, duration=2.0), tmp_path / "run", "--solo", "--no-report", "--set", f"logger.every={every}")
+    assert done.returncode == 0, done.stderr
+    done = render(tmp_path / "run", "--video", tmp_path / "film.mp4", "--fps", fps, "--size", "64x48", "--quality", "draft")
+    assert done.returncode == 0, done.stderr
+    ask = ["ffprobe", "-v", "error", "-show_entries", "format=duration", "-of", "csv=p=0", str(tmp_path / "film.mp4")]
+    length = float(subprocess.run(ask, capture_output=True, text=True, check=True).stdout)
+    assert 2 - 1e-3 <= length <= 2 + 1 / fps + 2e-3
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["film.mp4", "motion.yaml", "run"]
 
 
 def refused(done, code, *words):

@@ -43,6 +43,26 @@ TEST(StepsAtRate, FirstAndLastAlways) {
   EXPECT_EQ(steps_at_rate(20, 0.001, 0), (Steps{0}));
 }
 
+// 1/fps from each picture to the next, whatever dt is: as many as the run has, to one.
+TEST(StepsOfFilm, LastAsLongAsTheRun) {
+  EXPECT_EQ(steps_of_film(20, 0.001, 100), (Steps{0, 50, 100}));
+  EXPECT_EQ(steps_of_film(20, 0.001, 120), (Steps{0, 50, 120}));
+  EXPECT_EQ(steps_of_film(40, 0.05, 3), (Steps{0, 1, 1, 2, 2, 3, 3}));  // more pictures than steps
+  EXPECT_EQ(steps_of_film(20, 0.001, 0), (Steps{0}));
+  for (double fps : {1.0, 7.0, 24.0, 30.0, 59.94, 250.0, 5000.0})
+    for (double dt : {0.0005, 0.001, 0.003, 0.02, 0.25})
+      for (int64_t last_step : {1, 10, 400}) {
+        const Steps steps = steps_of_film(fps, dt, last_step);
+        const double length = static_cast<double>(steps.size()) / fps,
+                     run = static_cast<double>(last_step) * dt;
+        EXPECT_NEAR(length, run + 1 / fps, 0.501 / fps) << fps << " " << dt << " " << last_step;
+        EXPECT_EQ(steps.back(), last_step);
+        for (size_t i = 0; i + 1 < steps.size(); ++i)
+          EXPECT_LE(std::abs(static_cast<double>(steps[i]) * dt - static_cast<double>(i) / fps),
+                    dt / 2 + 0.5 / fps);
+      }
+}
+
 TEST_F(FramesTest, NumbersTextsAndBytes) {
   {
     FrameFolder files((folder_ / "a" / "b").string(), {{"run", "1"}});
