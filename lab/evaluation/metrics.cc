@@ -10,7 +10,7 @@ namespace lab {
 using nlohmann::json;
 
 const std::vector<Metric>& metrics() {
-  constexpr Better kMore = Better::More, kNeither = Better::Neither;
+  constexpr Better kNeither = Better::Neither;
   static const std::vector<Metric> all = {
       {"max_error", "rad, m", "largest error of any joint at any step", true},
       {"mean_error", "rad, m", "mean absolute error over joints and steps", true},
@@ -21,35 +21,43 @@ const std::vector<Metric>& metrics() {
       {"settling_time", "s",
        "from when every joint stays within `evaluation.band` of its reference; null if one does not", true},
       {"max_tool_error", "m", "largest distance of the tool from where the reference has it", false},
-      {"mean_tool_error", "m", "its mean over the steps", false},
-      {"rms_tool_error", "m", "its root mean square over the steps", false},
-      {"final_tool_error", "m", "the same at the last step", false},
+      {"mean_tool_error", "m", "mean over the steps of the tool's distance from where the reference has it",
+       false},
+      {"rms_tool_error", "m", "root mean square of the tool's distance from where the reference has it",
+       false},
+      {"final_tool_error", "m", "distance of the tool from where the reference has it at the last step",
+       false},
       {"max_tool_turn", "rad", "largest angle of the tool from how the reference has it", false},
-      {"mean_tool_turn", "rad", "its mean over the steps", false},
-      {"rms_tool_turn", "rad", "its root mean square over the steps", false},
+      {"mean_tool_turn", "rad", "mean over the steps of the tool's angle from how the reference has it",
+       false},
+      {"rms_tool_turn", "rad", "root mean square of the tool's angle from how the reference has it", false},
       {"reach_count", "", "times that the reference came to rest at a new place", false, kNeither},
       {"reach_settling_max", "s",
        "longest time from the reference's arrival until the joint stays within the band; null if one does "
        "not",
        true},
-      {"reach_settling_mean", "s", "its mean over the reaches, of the slowest joint each", true},
+      {"reach_settling_mean", "s",
+       "mean over the reaches of the slowest joint's time from the reference's arrival until it stays within "
+       "the band",
+       true},
       {"overshoot_max", "rad, m", "farthest beyond the target, of joints whose way is longer than the band",
        true},
-      {"overshoot_share_max", "", "the same as a share of the joint's way", true},
+      {"overshoot_share_max", "", "largest overshoot as a share of the joint's way", true},
       {"steady_error_max", "rad, m", "largest error left in the last tenth of a rest", true},
-      {"max_effort", "Nm, N", "largest effort of any joint", true},
-      {"rms_effort", "Nm, N", "root of the mean squared effort over joints and steps", true},
-      {"max_effort_share", "", "largest effort as a share of the joint's limit", true},
-      {"max_speed", "rad/s, m/s", "largest speed of any joint", true},
-      {"max_speed_share", "", "largest speed as a share of the joint's limit", true},
+      {"max_effort", "Nm, N", "largest effort of any joint", true, kNeither},
+      {"rms_effort", "Nm, N", "root of the mean squared effort over joints and steps", true, kNeither},
+      {"max_effort_share", "", "largest effort as a share of the joint's limit", true, kNeither},
+      {"max_speed", "rad/s, m/s", "largest speed of any joint", true, kNeither},
+      {"max_speed_share", "", "largest speed as a share of the joint's limit", true, kNeither},
       {"min_position_margin", "rad, m",
-       "least distance from a position limit, negative beyond it; null if there are no limits", true, kMore},
+       "least distance from a position limit, negative beyond it; null if there are no limits", true,
+       kNeither},
       {"energy_first", "J", "kinetic and potential energy at step 0", false, kNeither},
-      {"energy_last", "J", "the same at the last step", false, kNeither},
+      {"energy_last", "J", "kinetic and potential energy at the last step", false, kNeither},
       {"work", "J", "work of the efforts, less what damping and friction took", false, kNeither},
       {"energy_drift", "J",
        "largest difference between energy gained and work; null unless every step is logged", false},
-      {"energy_drift_relative", "", "the same as a share of the largest kinetic energy", false},
+      {"energy_drift_relative", "", "energy drift as a share of the largest kinetic energy", false},
   };
   return all;
 }

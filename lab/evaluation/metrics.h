@@ -11,8 +11,8 @@
 
 namespace lab {
 
-/// Which values of a metric are better.
-enum class Better { Less, More, Neither };
+/// Whether less of a metric is better, as with errors; of efforts, speeds, margins, energies and counts neither is.
+enum class Better { Less, Neither };
 
 struct Metric {
   const char* name;

@@ -19,7 +19,9 @@ std::string document(const std::string& title, const std::string& body) {
 
 std::string figure(double value, int digits) {
   if (!std::isfinite(value)) return "–";
-  std::string out = rounded(value == 0 ? 0.0 : value, digits);  // no -0
+  if (value == 0) value = 0;  // no -0
+  const bool whole = std::abs(value) < 1e6 && std::abs(value) >= std::pow(10, digits) - 0.5;
+  std::string out = whole ? std::to_string(std::llround(value)) : rounded(value, digits);
   if (out[0] == '-') out.replace(0, 1, "−");
   return out;
 }
@@ -28,6 +30,16 @@ std::string short_figure(const std::string& text) {
   double value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && stop == text.data() + text.size() ? figure(value) : text;
+}
+
+std::string breakable(const std::string& name) {
+  constexpr size_t kShort = 20;
+  std::string out;
+  for (const char c : escape(name)) {
+    out += c;
+    if (name.size() > kShort && (c == '_' || c == '.' || c == '/')) out += "<wbr/>";
+  }
+  return out;
 }
 
 std::string base64(std::string_view bytes) {

@@ -20,6 +20,12 @@ struct Range {
 
 }  // namespace
 
+Ink series_ink(size_t i) {
+  constexpr Ink kOrder[kSeriesInks] = {Ink::Blue,   Ink::Red, Ink::Green, Ink::Purple,
+                                       Ink::Orange, Ink::Sky, Ink::Brown};
+  return kOrder[i % kSeriesInks];
+}
+
 void thin(Curve& curve, size_t buckets) {
   const size_t n = curve.y.size();
   if (n <= 2 * buckets) return;
@@ -76,27 +82,6 @@ std::pair<double, double> y_range(const Chart& chart) {
       range.include(mark.high);
     }
   return range.pair();
-}
-
-UnitScale unit_scale(double largest, const std::string& unit) {
-  if (largest >= 0.1 || largest < 1e-9) return {1, unit};  // no prefix helps against the latter
-  return largest >= 1e-4 ? UnitScale{1e3, "m" + unit} : UnitScale{1e6, "µ" + unit};
-}
-
-void rescale(Chart& chart, double factor) {
-  for (Curve& curve : chart.curves)
-    for (double& y : curve.y) y *= factor;
-  for (Mark& mark : chart.marks) {
-    mark.y *= factor;
-    mark.low *= factor;
-    mark.high *= factor;
-  }
-  for (double& y : chart.must_include_y) y *= factor;
-  for (double& level : chart.levels) level *= factor;
-  for (auto& [low, high] : chart.bands) {
-    low *= factor;
-    high *= factor;
-  }
 }
 
 }  // namespace lab::plot

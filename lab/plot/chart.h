@@ -9,7 +9,10 @@ namespace lab::plot {
 /// Colours that differ for colour-blind eyes too (Okabe and Ito 2008); the page's style has a shade of each for dark
 /// screens.
 enum class Ink { Blue, Orange, Red, Green, Purple, Sky, Brown, Grey };
-inline constexpr int kInks = 8;
+/// How many series have inks of their own; grey is for what has no name.
+inline constexpr size_t kSeriesInks = 7;
+/// Of the i-th of several series, wherever it is drawn; they repeat.
+Ink series_ink(size_t i);
 
 struct Curve {
   std::string label;
@@ -23,6 +26,7 @@ struct Curve {
 struct Mark {
   double x = 0, y = 0, low = 0, high = 0;
   std::string tooltip;
+  Ink ink = Ink::Blue;
 };
 
 struct Tick {
@@ -37,6 +41,8 @@ struct Chart {
   std::string y_label{};  ///< along the vertical axis; usually the caption above the chart has it
   std::vector<Curve> curves{};
   std::vector<Mark> marks{};
+  std::vector<std::pair<Ink, std::string>>
+      key{};  ///< what the inks of marks stand for, in a line above the area
   std::vector<double> must_include_x{}, must_include_y{};  ///< values that the axes always include
   std::vector<double> levels{};                    ///< horizontal dashed lines, drawn where they are in range
   std::vector<std::pair<double, double>> bands{};  ///< shaded between two heights
@@ -56,14 +62,5 @@ void thin_evenly(Curve&, size_t points);
 /// The smallest and largest x (or y) over all curves and marks, and of what the axis must include.
 std::pair<double, double> x_range(const Chart&);
 std::pair<double, double> y_range(const Chart&);
-
-/// A unit that suits numbers up to `largest`: factor 1000 and "mrad" for 0.01 rad.
-struct UnitScale {
-  double factor;
-  std::string unit;
-};
-UnitScale unit_scale(double largest, const std::string& unit);
-/// Multiplies all y values.
-void rescale(Chart&, double factor);
 
 }  // namespace lab::plot

@@ -12,6 +12,7 @@ namespace {
 using Interval = std::pair<double, double>;
 
 constexpr double kTop = 8, kRight = 14, kBottom = 36;  // px: margins around the area of the data
+constexpr double kKeyHeight = 16;                      // px: of the line that says what the inks of marks are
 constexpr double kLetter = 6.2;                        // px: about the width of a digit at 11 px
 
 const char* name_of(Ink ink) {
@@ -76,7 +77,8 @@ struct Area {
 };
 
 Area area_of(const Chart& chart) {
-  const double top = kTop + (chart.marks.empty() ? 0 : 14);  // a strip at the top for marks without a value
+  const double top = kTop + (chart.marks.empty() ? 0 : 14) +  // a strip at the top for marks without a value
+                     (chart.key.empty() ? 0 : kKeyHeight);
   const double bottom = chart.height - kBottom;
   Interval x = range_of_x(chart), y = range_of_y(chart);
   // the left margin depends on the labels, and with equal lengths the labels on the margin: half a guess is enough
@@ -190,7 +192,17 @@ std::string draw_mark(const Mark& mark, const Area& area) {
   if (!std::isfinite(mark.y)) return svg::cross(x, area.top - 8, mark.tooltip);
   std::string out;
   if (mark.low < mark.high) out += svg::line(x, area.y.at(mark.low), x, area.y.at(mark.high), "frame");
-  return out + svg::dot(x, area.y.at(mark.y), 3.5, mark.tooltip);
+  return out + svg::dot(x, area.y.at(mark.y), 3.5, name_of(mark.ink), mark.tooltip);
+}
+
+std::string draw_mark_key(const Chart& chart, const Area& area) {
+  std::string out;
+  double x = area.left;
+  for (const auto& [ink, label] : chart.key) {
+    out += svg::dot(x + 4, 8, 3.5, name_of(ink), "") + svg::text(x + 12, 12, label, "start");
+    x += 12 + width_of(label) + 16;
+  }
+  return out;
 }
 
 }  // namespace
@@ -201,6 +213,7 @@ std::string draw(const Chart& chart) {
   for (size_t i = 0; i < chart.curves.size(); ++i)
     out += chart.bars && i == 0 ? draw_bars(chart.curves[i], area) : draw_curve(chart.curves[i], area);
   for (const Mark& mark : chart.marks) out += draw_mark(mark, area);
+  out += draw_mark_key(chart, area);
   return out + "</svg>\n";
 }
 

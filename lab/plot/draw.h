@@ -27,6 +27,9 @@ struct HeatMap {
   std::vector<Cell> cells;                 ///< row by row, the first row at the bottom
 };
 
+/// px: how wide the map of so many columns is, with numbers in its cells unless these are too many.
+int map_width(size_t columns);
+
 /// The colour scale is logarithmic when the range suits it.
 std::string draw(const HeatMap&);
 

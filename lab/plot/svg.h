@@ -41,8 +41,9 @@ inline std::string rect(double x, double y, double width, double height, const s
          close("rect", tooltip);
 }
 
-inline std::string dot(double x, double y, double radius, const std::string& tooltip) {
-  return fmt::format("<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\"", x, y, radius) +
+/// ink: the name of a colour of the page's style.
+inline std::string dot(double x, double y, double radius, const char* ink, const std::string& tooltip) {
+  return fmt::format("<circle class=\"dot f-{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\"", ink, x, y, radius) +
          close("circle", tooltip);
 }
 

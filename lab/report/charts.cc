@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "lab/evaluation/units.h"
 #include "lab/page/page.h"
 #include "lab/plot/draw.h"
 #include "wire/protocol/loop_bins.h"
@@ -36,11 +37,6 @@ std::vector<double> series(const Run& run, F&& value) {
   return out;
 }
 
-double largest(const Chart& chart) {
-  const auto [low, high] = y_range(chart);
-  return std::max(std::abs(low), std::abs(high));
-}
-
 /// Shows a limit that the curve comes near to.
 void show_level(Chart& chart, double level) {
   if (!std::isfinite(level)) return;
@@ -52,12 +48,6 @@ void show_level(Chart& chart, double level) {
 }
 
 }  // namespace
-
-Panel scaled(std::string caption, const std::string& unit, Chart chart) {
-  const plot::UnitScale scale = plot::unit_scale(largest(chart), unit);
-  rescale(chart, scale.factor);
-  return {std::move(caption), scale.unit, std::move(chart)};
-}
 
 std::vector<double> times(const Run& run) {
   return series(run, [&](size_t k) { return static_cast<double>(run.states[k].step) * run.dt; });
@@ -74,18 +64,11 @@ std::vector<std::vector<double>> errors(const Run& run) {
   return out;
 }
 
-std::string unit_of(const rbd::Model& model, int iv) {
-  for (int j = 1; j < model.njoints; ++j)
-    if (model.joints[j].nv() == 1 && model.joints[j].idx_v() == iv)
-      return model.joints[j].kind() == rbd::JointKind::Prismatic ? "m" : "rad";
-  return "rad";
-}
+std::string position_unit(const rbd::Model& model, int iv) { return slides(model, iv) ? "m" : "rad"; }
 
 void ink(Curve& curve, size_t i) {
-  constexpr Ink kOrder[] = {Ink::Blue,   Ink::Red, Ink::Green, Ink::Purple,
-                            Ink::Orange, Ink::Sky, Ink::Brown, Ink::Grey};
-  curve.ink = kOrder[i % plot::kInks];
-  curve.dashed = i / plot::kInks % 2 == 1;
+  curve.ink = plot::series_ink(i);
+  curve.dashed = i / plot::kSeriesInks % 2 == 1;
 }
 
 size_t buckets_for(size_t curves) { return std::clamp<size_t>(12000 / std::max<size_t>(curves, 1), 60, 300); }
@@ -105,7 +88,7 @@ ChartGroup tracking_charts(const Run& run) {
     chart.curves[0].width = 4;
     show_level(chart, run.model.lowerPositionLimit[joint.iq]);
     show_level(chart, run.model.upperPositionLimit[joint.iq]);
-    out.panels.push_back({joint.name, unit_of(run.model, joint.iv), std::move(chart)});
+    out.panels.push_back({joint.name, position_unit(run.model, joint.iv), std::move(chart)});
   }
   Curve limit{.label = "limit, if it is near", .ink = Ink::Grey, .width = 1, .dashed = true};
   out.legend = {{.label = "reference", .ink = Ink::Orange, .width = 4}, {.label = "actual"}, limit};
@@ -119,7 +102,7 @@ ChartGroup error_charts(const Run& run) {
   const std::vector<TrackedJoint> joints = joints_of(run.model);
   const std::vector<std::vector<double>> e = errors(run);
   // of many joints only the worst have inks of their own: those with an error of at least `least`
-  constexpr size_t kOwnInks = plot::kInks;
+  constexpr size_t kOwnInks = plot::kSeriesInks;
   const bool many = joints.size() > kOwnInks;
   std::vector<double> size;
   for (const auto& one : e) {
@@ -135,7 +118,7 @@ ChartGroup error_charts(const Run& run) {
     for (size_t j = 0; j < joints.size(); ++j) {
       const bool has_ink = size[j] >= least && inks < kOwnInks;
       inks += has_ink;
-      if (unit_of(run.model, joints[j].iv) != unit) continue;
+      if (position_unit(run.model, joints[j].iv) != unit) continue;
       Curve one = curve(joints[j].name, t, e[j], Ink::Grey, buckets_for(4 * joints.size()));
       if (has_ink) {
         ink(one, inks - 1);
@@ -148,7 +131,7 @@ ChartGroup error_charts(const Run& run) {
     if (chart.curves.empty()) continue;
     if (const auto [low, high] = y_range(chart); low < -run.band || high > run.band)
       chart.bands = {{-run.band, run.band}};
-    out.panels.push_back(scaled("Error of each joint", unit, std::move(chart)));
+    out.panels.push_back({"Error of each joint", unit, std::move(chart)});
   }
   if (many)
     out.legend.push_back({.label = "the other joints, with smaller errors", .ink = Ink::Grey, .width = 0.6});
@@ -169,11 +152,9 @@ ChartGroup effort_charts(const Run& run) {
     const double lower = run.model.lowerEffortLimit[joint.iv], upper = run.model.upperEffortLimit[joint.iv];
     show_level(chart, lower);
     show_level(chart, upper);
-    const bool linear = unit_of(run.model, joint.iv) == "m";
-    std::string unit = linear ? "N" : "Nm";
+    std::string unit = unit_of("max_effort." + joint.name, run.model);
     if (std::isfinite(upper))
-      unit += ", limit " +
-              (lower == -upper ? "±" + figure(upper, 3) : figure(lower, 3) + " .. " + figure(upper, 3));
+      unit += ", limit " + (lower == -upper ? "±" + figure(upper) : figure(lower) + " .. " + figure(upper));
     out.panels.push_back({joint.name, unit, std::move(chart)});
   }
   Curve limit{.label = "limit, if it is near", .ink = Ink::Grey, .width = 1, .dashed = true};
@@ -197,8 +178,8 @@ ChartGroup energy_charts(const Run& run) {
                  curve("work done", t, energy.work, Ink::Blue, 250)};
   both.curves[0].width = 4;
   rest.curves = {curve("drift", t, drift, Ink::Red, 250)};
-  out.panels = {scaled("Energy gained, and work done", "J", std::move(both)),
-                scaled("Difference of the two: drift", "J", std::move(rest))};
+  out.panels = {{"Energy gained, and work done", "J", std::move(both)},
+                {"Difference of the two: drift", "J", std::move(rest)}};
   out.legend = {{.label = "energy gained", .ink = Ink::Orange, .width = 4},
                 {.label = "work done"},
                 {.label = "drift", .ink = Ink::Red}};
@@ -238,8 +219,8 @@ ChartGroup tool_charts(const Run& run) {
       .title = "angle of " + path.frame + " from its reference over time", .width = 530, .height = 210};
   error.curves = {curve("distance", t, path.error, Ink::Blue, 250)};
   angle.curves = {curve("angle", t, path.angle, Ink::Blue, 250)};
-  out.panels.push_back(scaled("Distance from the reference", "m", std::move(error)));
-  out.panels.push_back(scaled("Angle from the reference", "rad", std::move(angle)));
+  out.panels.push_back({"Distance from the reference", "m", std::move(error)});
+  out.panels.push_back({"Angle from the reference", "rad", std::move(angle)});
   out.legend = {{.label = "reference", .ink = Ink::Orange, .width = 4}, {.label = "actual"}};
   out.columns = 2;
   return out;
@@ -281,9 +262,10 @@ json drawn(const ChartGroup& group) {
   if (group.panels.empty()) return nullptr;
   json legend = json::array(), panels = json::array();
   for (const Curve& one : group.legend)
-    legend.push_back({{"key", plot::draw_key(one)}, {"label", one.label}});
+    legend.push_back({{"key", plot::draw_key(one)}, {"label", page::breakable(one.label)}});
   for (const Panel& one : group.panels)
-    panels.push_back({{"caption", one.caption}, {"unit", one.unit}, {"svg", plot::draw(one.chart)}});
+    panels.push_back(
+        {{"caption", page::breakable(one.caption)}, {"unit", one.unit}, {"svg", plot::draw(one.chart)}});
   return {{"has_legend", !legend.empty()},
           {"legend", std::move(legend)},
           {"layout", group.columns == 1   ? " one"

@@ -42,13 +42,11 @@ const page::Texts& embedded();
 std::vector<double> times(const Run&);
 /// By joint of joints_of(model), by step: difference(q, q_ref).
 std::vector<std::vector<double>> errors(const Run&);
-/// "rad" or "m": of a joint by its place in v.
-std::string unit_of(const rbd::Model&, int iv);
+/// "rad" or "m": of the position and error of a joint by its place in v.
+std::string position_unit(const rbd::Model&, int iv);
 
-/// A panel in the unit that suits its values.
-Panel scaled(std::string caption, const std::string& unit, plot::Chart chart);
-
-/// Gives the i-th of several curves its ink; from the ninth on they are dashed.
+/// Gives the i-th of several curves an ink of its own; from the eighth on they are dashed. None is grey, the colour of all
+/// that has no name.
 void ink(plot::Curve&, size_t i);
 /// Buckets for thin(), such that a page of so many curves stays small.
 size_t buckets_for(size_t curves);

@@ -9,6 +9,7 @@
 #include "core/util/number.h"
 #include "core/util/printable.h"
 #include "lab/evaluation/tracking.h"
+#include "lab/evaluation/units.h"
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/page/page.h"
 
@@ -77,24 +78,39 @@ void find_keys(const std::vector<Folder>& runs, Comparison& out) {
   }
 }
 
-void find_rows(const std::vector<Folder>& runs, Comparison& out) {
-  const auto add = [&](const std::string& name, const Metric& metric) {
-    Comparison::Row row{name, metric.unit, metric.better, {}};
-    for (const Folder& run : runs) {
-      const json value = value_of(run.metrics, name);
-      row.values.push_back(value.is_number() ? value.get<double>() : NAN);
+void add_row(Comparison::Row row, Comparison& out) {
+  if (std::any_of(row.values.begin(), row.values.end(), [](double value) { return std::isfinite(value); }))
+    out.rows.push_back(std::move(row));
+}
+
+/// Over all joints: a row for each unit.
+void add_rows(const std::vector<Folder>& runs, const Metric& metric, Comparison& out) {
+  std::vector<Comparison::Row> rows;
+  for (const Folder& run : runs) {
+    const std::vector<Figure> figures = figures_of(run.metrics, metric.name, run.log().run.model);
+    for (size_t i = 0; i < figures.size(); ++i) {
+      if (i == rows.size()) rows.push_back({metric.name, figures[i].unit, metric.better, {}});
+      rows[i].values.push_back(figures[i].value);
     }
-    if (std::any_of(row.values.begin(), row.values.end(), [](double value) { return std::isfinite(value); }))
-      out.rows.push_back(std::move(row));
-  };
-  for (const Metric& metric : metrics()) {
-    const std::string name = metric.name;
-    if (out.same_joints || name.find("_tool_") != std::string::npos) add(name, metric);
   }
+  for (Comparison::Row& row : rows) add_row(std::move(row), out);
+}
+
+void find_rows(const std::vector<Folder>& runs, Comparison& out) {
   for (const Metric& metric : metrics())
-    if (metric.per_joint && (!out.same_joints || std::string(metric.name) == "max_error" ||
-                             std::string(metric.name) == "rms_error"))
-      for (const std::string& joint : out.joints) add(std::string(metric.name) + "." + joint, metric);
+    if (out.same_joints || std::string(metric.name).find("_tool_") != std::string::npos)
+      add_rows(runs, metric, out);
+  for (const Metric& metric : metrics()) {
+    const std::string base = metric.name;
+    if (!metric.per_joint || (out.same_joints && base != "max_error" && base != "rms_error")) continue;
+    for (const std::string& joint : out.joints) {
+      const std::string name = base + "." + joint;
+      Comparison::Row row{name, unit_of(name, runs[0].log().run.model), metric.better, {}};
+      for (const Folder& run : runs)
+        row.values.push_back(figure_of(run.metrics, name, run.log().run.model).value);
+      add_row(std::move(row), out);
+    }
+  }
 }
 
 /// Cells in columns: the first to the left, the others to the right.
@@ -137,21 +153,20 @@ std::string count(double times) {
 
 Gain gain(Better better, double first, double other) {
   if (better == Better::Neither || !std::isfinite(first) || !std::isfinite(other)) return {NAN, NAN};
-  if (better == Better::More)
-    return {first == 0 ? NAN : 100 * (other - first) / std::abs(first),
-            first > 0 && other > 0 ? other / first : NAN};
   return {first == 0 ? NAN : 100 * (first - other) / std::abs(first),
           first > 0 && other > 0 ? first / other : NAN};
 }
 
 std::string in_words(Better better, double first, double other) {
-  if (first == other && better != Better::Neither) return "same";
-  const auto [percent, times] = gain(better, first, other);
+  if (first == other) return "same";
+  if (better == Better::Neither && !(first > 0 && other > 0)) return "–";
+  const auto [percent, times] = gain(Better::Less, first, other);
   if (std::isnan(percent)) return "–";
   const double size = std::abs(percent);
   std::string out = size > 99.99 && size < 100 ? "> 99.99 %" : figure(size, size >= 99.9 ? 4 : 3) + " %";
   if (times >= 1.5) out += ", " + count(times) + " times";
   if (times <= 1 / 1.5) out = count(1 / times) + " times";
+  if (better == Better::Neither) return out + (percent > 0 ? " less" : " more");
   return out + (percent > 0 ? " better" : " worse");
 }
 

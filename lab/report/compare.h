@@ -9,14 +9,14 @@
 
 namespace lab::report {
 
-/// How much better than the first.
+/// How much better than the first, of a metric of which less is better.
 struct Gain {
   double percent;  ///< 100: as good as perfect; below 0: worse; NaN if that has no meaning
   double times;    ///< 2: twice as good; 0.5: half as good; NaN
 };
 Gain gain(Better, double first, double other);
 
-/// "99.9 %, 720 times better", "12 % worse", "same", "–"
+/// "99.9 %, 720 times better", "12 % worse", "same", "–"; of a metric of which neither is better "12 % more", "3 times less"
 std::string in_words(Better, double first, double other);
 
 struct Comparison {
@@ -32,7 +32,9 @@ struct Comparison {
   std::vector<Key> keys;  ///< those that differ
 
   struct Row {
-    std::string name, unit;  ///< "max_error", or "max_error.elbow"
+    /// "max_error", or "max_error.elbow". Where the robots have joints that turn and joints that slide, "max_error" has two
+    /// rows, in rad and in m.
+    std::string name, unit;
     Better better;
     std::vector<double> values;  ///< by run; NaN: has none
   };

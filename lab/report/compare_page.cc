@@ -7,6 +7,7 @@
 #include "lab/page/page.h"
 #include "lab/report/charts.h"
 #include "lab/report/compare.h"
+#include "lab/report/tables.h"
 
 namespace lab::report {
 namespace {
@@ -65,13 +66,19 @@ ChartGroup overview(const Comparison& all, const std::vector<Folder>& runs) {
   ChartGroup out;
   out.legend = legend_of(all);
   out.columns = 1;
-  if (!all.joints.empty()) {
+  const rbd::Model& model = runs[0].log().run.model;
+  for (const char* const unit : {"rad", "m"}) {
+    std::vector<std::string> names;
+    for (const std::string& name : all.joints)
+      if (unit_of("max_error." + name, model) == unit) names.push_back(name);
+    if (names.empty()) continue;
     Chart chart = overlaid(all, runs, "size of the error over time", 2,
-                           [&](const Run& run) { return norm(run, all.joints); });
+                           [&](const Run& run) { return norm(run, names); });
     chart.width = 1080;
     chart.height = 290;
     chart.logarithmic_y = true;
-    out.panels.push_back({"Size of the error, all common joints", "rad, m; logarithmic", std::move(chart)});
+    out.panels.push_back(
+        {"Size of the error, all common joints", std::string(unit) + ", logarithmic", std::move(chart)});
   }
   return out;
 }
@@ -89,7 +96,7 @@ ChartGroup tools(const Comparison& all, const std::vector<Folder>& runs) {
     if (chart->curves.empty()) continue;
     chart->width = 530;
     chart->height = 210;
-    out.panels.push_back(scaled(caption, unit, std::move(*chart)));
+    out.panels.push_back({caption, unit, std::move(*chart)});
   }
   return out;
 }
@@ -100,9 +107,7 @@ ChartGroup joints(const Comparison& all, const std::vector<Folder>& runs) {
   for (const std::string& name : all.joints) {
     Chart chart = overlaid(all, runs, name + ": error over time", all.joints.size(),
                            [&](const Run& run) { return error_of(run, name); });
-    const rbd::Model& model = runs[0].log().run.model;
-    out.panels.push_back(
-        scaled(name, unit_of(model, model.joints[model.getJointId(name)].idx_v()), std::move(chart)));
+    out.panels.push_back({name, unit_of("max_error." + name, runs[0].log().run.model), std::move(chart)});
   }
   return out;
 }
@@ -112,9 +117,14 @@ json key_rows(const Comparison& all) {
   for (const Comparison::Key& key : all.keys) {
     json values = json::array();
     for (const std::string& value : key.values) values.push_back(value.empty() ? "–" : value);
-    rows.push_back({{"name", key.name}, {"values", std::move(values)}});
+    rows.push_back({{"name", page::breakable(key.name)}, {"values", std::move(values)}});
   }
   return rows;
+}
+
+std::vector<std::string> breakable(std::vector<std::string> names) {
+  for (std::string& name : names) name = page::breakable(name);
+  return names;
 }
 
 /// Of all joints, or joint by joint; null if there are none.
@@ -128,16 +138,19 @@ json metric_table(const Comparison& all, bool per_joint) {
       const char* mood = words.ends_with("better") ? "good" : words.ends_with("worse") ? "bad" : "soft";
       others.push_back({{"value", figure(one.values[i])}, {"words", words}, {"mood", mood}});
     }
-    rows.push_back({{"name", one.name},
+    rows.push_back({{"name", page::breakable(one.name)},
                     {"unit", one.unit},
                     {"value", figure(one.values[0])},
                     {"others", std::move(others)}});
   }
   if (rows.empty()) return nullptr;
   // of more than three runs a value and what it is against the first share a cell, so that the table fits the page
+  std::vector<std::string> names = breakable(all.names);
+  const std::string first = names[0];
+  names.erase(names.begin());
   return {{"narrow", all.names.size() > 3},
-          {"first", all.names[0]},
-          {"others", std::vector<std::string>(all.names.begin() + 1, all.names.end())},
+          {"first", first},
+          {"others", std::move(names)},
           {"rows", std::move(rows)}};
 }
 
@@ -148,14 +161,16 @@ std::string compare_page(const Comparison& all, const std::vector<Folder>& runs)
   for (const std::string& name : all.names) title += (title.empty() ? "" : " · ") + name;
   json rows = json::array();
   for (size_t i = 0; i < runs.size(); ++i) {
-    const json rms = value_of(runs[i].metrics, "rms_error");
-    rows.push_back({{"name", all.names[i]},
+    json rms = json::array();
+    for (const Figure& one : figures_of(runs[i].metrics, "rms_error", runs[i].log().run.model))
+      rms.push_back(shown(one));
+    rows.push_back({{"name", page::breakable(all.names[i])},
                     {"badge", badge_of(runs[i])},
                     {"about", about(runs[i])},
-                    {"rms_error", figure(rms.is_number() ? rms.get<double>() : NAN)}});
+                    {"rms_error", std::move(rms)}});
   }
   const json values{{"count", runs.size()},
-                    {"names", all.names},
+                    {"names", breakable(all.names)},
                     {"runs", std::move(rows)},
                     {"notes", all.notes},
                     {"has_keys", !all.keys.empty()},

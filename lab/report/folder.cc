@@ -1,5 +1,7 @@
 #include "lab/report/folder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +11,7 @@
 #include <lab/process_t.hpp>
 #include <map>
 #include <stdexcept>
+#include <string_view>
 
 #include "core/util/json_text.h"
 #include "core/util/number.h"
@@ -76,6 +79,14 @@ std::vector<Loops> read_loops(const std::string& telemetry) {
       all.push_back(loops);
   }
   return all;
+}
+
+/// Every picture of ours says near its beginning which run it shows (tEXt, keyword "run").
+bool shows(const std::string& png, int64_t run) {
+  constexpr std::string_view kKeyword("tEXtrun", 8);  // with the 0 that ends it
+  const size_t at = std::string_view(png).substr(0, 1024).find(kKeyword);
+  return at == std::string::npos ||
+         png.compare(at + kKeyword.size(), 16, fmt::format("{:016x}", static_cast<uint64_t>(run))) == 0;
 }
 
 /// The contact sheet, or frames at even distances, as many as are small enough.
@@ -168,6 +179,9 @@ Folder read_folder(const std::string& dir) {
   }
   if (fs::exists(root / "telemetry.lcm")) out.loops = read_loops(root / "telemetry.lcm");
   out.pictures = read_pictures(root, out.frames);
+  if (out.logged)
+    out.other_pictures =
+        std::erase_if(out.pictures, [&](const auto& png) { return !shows(png, out.logged->id); }) > 0;
   out.last_lines = read_last_lines(root, out.manifest);
   return out;
 }

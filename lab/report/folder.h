@@ -35,7 +35,8 @@ struct Folder {
   std::vector<Loops> loops;              ///< by name
   nlohmann::json manifest;               ///< null if there is none
   std::string experiment_text;           ///< experiment.yaml; empty if there is none
-  std::vector<std::string> pictures;     ///< PNG files' bytes: the contact sheet, or some frames
+  std::vector<std::string> pictures;     ///< PNG files' bytes: the contact sheet, or some frames, of this run
+  bool other_pictures = false;           ///< those in the folder show another run, and are left out
   size_t frames = 0;                     ///< in frames/
   /// Of processes that failed: name, and the last lines of their output.
   std::vector<std::pair<std::string, std::string>> last_lines;

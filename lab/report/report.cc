@@ -9,135 +9,13 @@
 #include "lab/page/page.h"
 #include "lab/page/template.h"
 #include "lab/report/charts.h"
+#include "lab/report/tables.h"
 
 namespace lab::report {
 namespace {
 
 using nlohmann::json;
 using page::figure;
-
-double value(const json& from, const char* key) {
-  return from.contains(key) && from[key].is_number() ? from[key].get<double>() : NAN;
-}
-std::string cell(const json& from, const char* key, int digits = 4) {
-  return figure(value(from, key), digits);
-}
-
-/// "rad" and "Nm", "m" and "N", or both of a robot that has both kinds of joints.
-std::pair<std::string, std::string> units(const rbd::Model& model) {
-  bool turns = false, slides = false;
-  for (const TrackedJoint& joint : joints_of(model))
-    (unit_of(model, joint.iv) == "m" ? slides : turns) = true;
-  return turns && slides ? std::pair("rad, m", "Nm, N")
-         : slides        ? std::pair("m", "N")
-                         : std::pair("rad", "Nm");
-}
-
-json key_figure(const std::string& label, double number, const std::string& unit) {
-  json out{{"label", label}, {"bad", false}, {"value", figure(number)}, {"unit", ""}};
-  if (!std::isfinite(number)) return out;
-  const bool prefix = unit == "rad" || unit == "m" || unit == "J";
-  const plot::UnitScale scale = prefix ? plot::unit_scale(std::abs(number), unit) : plot::UnitScale{1, unit};
-  out["value"] = figure(number * scale.factor, 3);
-  out["unit"] = scale.unit;
-  return out;
-}
-
-json key_figures(const json& m, const rbd::Model& model) {
-  const auto [length, effort] = units(model);
-  json out = json::array();
-  const auto add = [&](const std::string& label, double number, const std::string& unit) {
-    out.push_back(key_figure(label, number, unit));
-  };
-  add("largest error", value(m, "max_error"), length);
-  add("RMS error", value(m, "rms_error"), length);
-  if (m["tool_frame"].is_string()) add("largest tool error", value(m, "max_tool_error"), "m");
-  if (value(m, "reach_count") > 0) {
-    add("settling, slowest reach", value(m, "reach_settling_max"), "s");
-    if (m["reach_settling_max"].is_null()) out.back().update({{"value", "not settled"}, {"bad", true}});
-    if (const double overshoot = value(m, "overshoot_share_max"); std::isfinite(overshoot))
-      add("overshoot", 100 * overshoot, "%");
-  }
-  if (const double share = value(m, "max_effort_share"); share > 0)
-    add("effort, of the limit", 100 * share, "%");
-  add("largest effort", value(m, "max_effort"), effort);
-  add("energy drift", value(m, "energy_drift"), "J");
-  if (m.contains("handbook_grade")) {
-    const std::string grade = m["handbook_grade"];
-    out.push_back({{"label", "handbook's grade"},
-                   {"bad", false},
-                   {"value", grade == "needs_tuning" ? "needs tuning" : grade},
-                   {"unit", ""}});
-  }
-  return out;
-}
-
-json verdict_rows(const json& m) {
-  json rows = json::array();
-  for (const json& one : m["verdicts"])
-    rows.push_back({{"ok", one["ok"]},
-                    {"metric", one["metric"]},
-                    {"value", cell(one, "value")},
-                    {"min", one.contains("min") ? cell(one, "min") : ""},
-                    {"max", one.contains("max") ? cell(one, "max") : ""}});
-  return rows;
-}
-
-/// The columns of the table of joints: a metric, and its words.
-constexpr std::pair<const char*, const char*> kJointColumns[] = {{"max_error", "max error"},
-                                                                 {"mean_error", "mean error"},
-                                                                 {"rms_error", "RMS error"},
-                                                                 {"final_error", "final error"},
-                                                                 {"max_effort", "max effort"},
-                                                                 {"rms_effort", "RMS effort"},
-                                                                 {"max_effort_share", "share of limit"},
-                                                                 {"max_speed", "max speed"},
-                                                                 {"max_speed_share", "share of limit"},
-                                                                 {"min_position_margin", "margin to limit"}};
-
-json joint_rows(const rbd::Model& model, const json& m) {
-  json rows = json::array();
-  const auto add = [&](const std::string& name, const std::string& unit, const json& from) {
-    json cells = json::array();
-    for (const auto& [key, label] : kJointColumns) cells.push_back(cell(from, key, 3));
-    rows.push_back({{"name", name}, {"unit", unit}, {"cells", std::move(cells)}});
-  };
-  for (const TrackedJoint& joint : joints_of(model))
-    for (const json& one : m["joints"])
-      if (one["name"] == joint.name) add(joint.name, unit_of(model, joint.iv), one);
-  add("all", "", m);
-  return rows;
-}
-
-/// The joint that settles last, or the first that does not settle.
-std::string slowest_joint(const json& reach) {
-  std::string slowest = "–";
-  double longest = 0;
-  for (const json& joint : reach["joints"]) {
-    const double settling = value(joint, "settling");
-    if (std::isnan(settling)) return joint["name"];
-    if (settling <= longest) continue;
-    slowest = joint["name"];
-    longest = settling;
-  }
-  return slowest;
-}
-
-json reach_rows(const json& m) {
-  json rows = json::array();
-  for (const json& reach : m["reaches"]) {
-    const double settling = value(reach, "reach_settling_max");
-    rows.push_back({{"number", rows.size() + 1},
-                    {"arrival", cell(reach, "arrival")},
-                    {"end", cell(reach, "end")},
-                    {"settling", std::isnan(settling) ? json() : json(figure(settling))},
-                    {"overshoot", cell(reach, "overshoot_max")},
-                    {"overshoot_percent", figure(100 * value(reach, "overshoot_share_max"), 3)},
-                    {"steady_error", cell(reach, "steady_error_max")},
-                    {"slowest", slowest_joint(reach)}});
-  }
-  return rows;
-}
 
 json note_rows(const std::vector<Note>& notes, size_t most) {
   json rows = json::array();
@@ -164,13 +42,6 @@ json loop_rows(const std::vector<Loops>& all) {
                     {"lateness", loops.late_max > 0 ? figure(loops.late_p50) + ", " + figure(loops.late_p99) +
                                                           ", " + figure(loops.late_max, 6)
                                                     : "–"}});
-  return rows;
-}
-
-json metric_rows(const json& m) {
-  json rows = json::array();
-  for (const Metric& metric : metrics())
-    rows.push_back({{"name", metric.name}, {"value", cell(m, metric.name)}, {"unit", metric.unit}});
   return rows;
 }
 
@@ -215,24 +86,21 @@ json motion_values(const Folder& folder) {
   if (!folder.logged || folder.logged->run.states.empty()) return nullptr;
   const Run& run = folder.logged->run;
   const json& m = folder.metrics;
-  json columns = json::array();
-  for (const auto& [key, label] : kJointColumns) columns.push_back(label);
   return {{"key_figures", key_figures(m, run.model)},
           {"has_verdicts", !m["verdicts"].empty()},
-          {"verdicts", verdict_rows(m)},
+          {"verdicts", verdict_rows(m, run.model)},
           {"tracking", drawn(tracking_charts(run))},
-          {"band", figure(value(m, "band"))},
+          {"band", band_in_words(value(m, "band"), run.model)},
           {"within_band", value(m, "max_error") <= value(m, "band")},
           {"error", drawn(error_charts(run))},
-          {"joint_columns", std::move(columns)},
-          {"joints", joint_rows(run.model, m)},
+          {"joint_tables", joint_tables(m, run.model)},
           {"has_reaches", !m["reaches"].empty()},
-          {"reaches", reach_rows(m)},
+          {"reaches", reach_rows(m, run.model)},
           {"effort", drawn(effort_charts(run))},
           {"tool_frame", m["tool_frame"]},
           {"tool", drawn(tool_charts(run))},
           {"energy", drawn(energy_charts(run))},
-          {"metrics", metric_rows(m)}};
+          {"metrics", metric_rows(m, run.model)}};
 }
 
 /// Why there is no motion on the page; null if there is.
@@ -313,6 +181,7 @@ std::string run_page(const Folder& folder) {
               {"has_pictures", !pictures.empty()},
               {"pictures", std::move(pictures)},
               {"frames", folder.frames > 0},
+              {"other_pictures", folder.other_pictures},
               {"has_log", folder.logged.has_value()},
               {"has_notes", !folder.notes.empty()},
               {"notes", note_rows(folder.notes, kMaxNotes)},

@@ -5,11 +5,17 @@
 
 #include "lab/sweep/results.h"
 #include "lab/sweep/sweep.h"
+#include "lab/sweep/units.h"
 
 namespace lab::sweep {
 
-/// As SVG: for a metric a heat map over the first two keys of the grid, a line over a single one, and a cloud of points
-/// over every drawn key.
-std::vector<std::string> plots_of(const Sweep&, const std::vector<Row>&, size_t metric);
+struct Plot {
+  std::string svg;
+  int width;  ///< px: in which its texts are as large as those of the page
+};
+
+/// For a metric a heat map over the first two keys of the grid, a line over a single one, and a cloud of points
+/// over every drawn key, in which few points of a grid have colours of their own. Keys and values with their units.
+std::vector<Plot> plots_of(const Sweep&, const std::vector<Row>&, const Units&, size_t metric);
 
 }  // namespace lab::sweep

@@ -113,7 +113,7 @@ int evaluate_run(const Options& options) {
   if (options.as_json)
     emit("{}\n", json_text(all, 2));
   else
-    emit_text(metrics_text(all));
+    emit_text(metrics_text(all, logged.robot.model));
   return all["passed"].get<bool>() ? kOk : kCheckFailed;
 }
 

@@ -127,6 +127,33 @@ def test_a_run_of_processes_has_pictures_and_loop_times(tmp_path):
         assert re.search(rf"{process}\s*% of [0-9]+ loops", page.text), process
 
 
+def test_stale_pictures_are_drawn_again(tmp_path):
+    """The log of a longer run takes the place of the old one: its pictures take the place of the old ones."""
+    looks = ("--set", "renderer.enabled=true", "--set", "renderer.fps=2", "--set", "renderer.size=[160, 120]")
+    for name, duration in (("run", 2), ("longer", 3)):
+        done = call("run", reach(tmp_path, "pd"), "-o", tmp_path / name, *looks, "--set", f"simulator.duration={duration}")
+        assert done.returncode == 0, done.stderr
+    run = tmp_path / "run"
+    done = call("report", run)
+    assert done.returncode == 0 and done.stderr == "", done  # these are of this log
+    (run / "frames" / "notes.txt").write_text("mine")
+    pictures = {p.name: p.read_bytes() for p in (tmp_path / "longer" / "frames").glob("*.png")}
+    assert sorted(pictures) != sorted(p.name for p in (run / "frames").glob("*.png"))
+    for name in ("log.lcm", "experiment.yaml"):
+        shutil.copy(tmp_path / "longer" / name, run / name)
+    # as they are, they are not shown: they are those of another run
+    done = subprocess.run([lab.BUILD / "bin" / "lab-experiment", "report", run], capture_output=True, text=True)
+    page = checked(run / "report.html")
+    assert "show another run" in page.text and "img" not in page.count
+    done = call("report", run)
+    assert done.returncode == 0 and "drawn again" in done.stderr and done.stderr.count("\n") == 1, done
+    assert {p.name: p.read_bytes() for p in (run / "frames").glob("*.png")} == pictures
+    assert (run / "contact.png").read_bytes() == (tmp_path / "longer" / "contact.png").read_bytes()
+    assert checked(run / "report.html").count["img"] == 1 and (run / "frames" / "notes.txt").read_text() == "mine"
+    assert not list(run.glob(".pictures*"))
+    assert call("report", run).stderr == ""
+
+
 @pytest.mark.parametrize("what,words", [("missing", "there is no log.lcm"), ("empty", "log.lcm is empty"), ("cut", "The run ended at step"),
                                         ("noise", "has no RUN message")])
 def test_broken_runs_get_a_page(runs, tmp_path, what, words):

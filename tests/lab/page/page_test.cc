@@ -65,6 +65,10 @@ TEST(Page, NumbersAndBytes) {
   EXPECT_EQ(figure(-0.0), "0");
   EXPECT_EQ(figure(NAN), "–");
   EXPECT_EQ(figure(-0.123456), "−0.1235");
+  EXPECT_EQ(figure(2000, 3), "2000");  // not 2e+03
+  EXPECT_EQ(figure(-123456.7), "−123457");
+  EXPECT_EQ(figure(9999.4), "9999");
+  EXPECT_EQ(figure(1.5e7), "1.5e+07");
   EXPECT_EQ(short_figure("3.8977"), "3.898");
   EXPECT_EQ(short_figure("quintic"), "quintic");
   const std::pair<const char*, const char*> rfc4648[] = {{"", ""},
@@ -76,6 +80,12 @@ TEST(Page, NumbersAndBytes) {
                                                          {"foobar", "Zm9vYmFy"}};
   for (const auto& [plain, coded] : rfc4648) EXPECT_EQ(base64(plain), coded);
   EXPECT_EQ(base64(std::string("\xff\xfe\x00", 3)), "//4A");
+}
+
+TEST(Page, LongNamesBreakAfterTheirParts) {
+  EXPECT_EQ(breakable("joint2_shoulder"), "joint2_shoulder");
+  EXPECT_EQ(breakable("max_error.left_arm_<elbow>"),
+            "max_<wbr/>error.<wbr/>left_<wbr/>arm_<wbr/>&lt;elbow&gt;");
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <random>
 #include <regex>
+#include <set>
 
 #include "lab/plot/axis.h"
 #include "lab/plot/chart.h"
@@ -43,28 +43,10 @@ TEST(Thin, KeepsPeaksAndEndsAndOrder) {
   }
 }
 
-TEST(UnitScale, SuitsTheNumber) {
-  EXPECT_EQ(unit_scale(0.5, "rad").unit, "rad");
-  EXPECT_EQ(unit_scale(0.02, "rad").unit, "mrad");
-  EXPECT_EQ(unit_scale(2e-5, "m").unit, "µm");
-  EXPECT_EQ(unit_scale(0, "m").unit, "m");
-  EXPECT_EQ(unit_scale(4e-12, "J").unit, "J");
-}
-
-// The number shown times what its prefix stands for (SI: m is 1e-3, µ 1e-6) is the quantity again, to a few
-// roundings.
-TEST(UnitScale, NumberAndPrefixAreTheQuantityAgain) {
-  const std::map<std::string, double> prefixes{{"rad", 1}, {"mrad", 1e-3}, {"µrad", 1e-6}};
-  const struct {
-    double quantity;
-    const char* unit;
-  } rows[] = {{30, "rad"},       {0.1, "rad"},   {0.099, "mrad"}, {0.02, "mrad"},  {1e-4, "mrad"},
-              {0.99e-4, "µrad"}, {2e-5, "µrad"}, {1e-9, "µrad"},  {0.9e-9, "rad"}, {0, "rad"}};
-  for (const auto& row : rows) {
-    const UnitScale scale = unit_scale(row.quantity, "rad");
-    EXPECT_EQ(scale.unit, row.unit) << row.quantity;
-    EXPECT_NEAR(row.quantity * scale.factor * prefixes.at(scale.unit), row.quantity, 1e-15 * row.quantity);
-  }
+// Of any number of series next to each other no two are alike, and none is as the unnamed ones.
+TEST(Series, EachHasAColourOfItsOwn) {
+  std::set<Ink> inks{Ink::Grey};
+  for (size_t i = 0; i < kSeriesInks; ++i) EXPECT_TRUE(inks.insert(series_ink(i)).second) << i;
 }
 
 /// The points of the path with that class.
@@ -89,23 +71,37 @@ std::vector<std::pair<double, double>> y_ticks_of(const std::string& svg) {
   return ticks;
 }
 
-// A chart in another unit is the same drawing with other labels.
-TEST(Rescale, OnlyTheLabelsOfTheAxisChange) {
-  Chart chart{.title = "all that has a height"};
-  chart.curves = {{.label = "", .x = {0, 1, 2, 4}, .y = {0.001, 0.003, -0.001, 0.002}}};
-  chart.marks = {{1, 0.0021, 0.0012, 0.0029, ""}};
-  chart.must_include_y = {0.0053};
-  chart.levels = {0.0017};
-  chart.bands = {{-0.0004, 0.0009}};
-  Chart scaled = chart;
-  rescale(scaled, 1000);
-  const auto without_labels = [](const Chart& c) {
-    return std::regex_replace(draw(c), std::regex("<text[^>]*>[^<]*</text>"), "");
-  };
-  EXPECT_EQ(without_labels(scaled), without_labels(chart));
-  const auto before = y_ticks_of(draw(chart)), after = y_ticks_of(draw(scaled));
-  ASSERT_EQ(after.size(), before.size());
-  for (size_t i = 0; i < after.size(); ++i) EXPECT_NEAR(after[i].first, 1000 * before[i].first, 1e-9);
+// Numbers of 11 px in cells that hold them, up to 24 columns and rows.
+TEST(HeatMap, EveryCellHasItsNumber) {
+  for (size_t columns : {2u, 9u, 16u, 24u})
+    for (size_t rows : {1u, 24u}) {
+      HeatMap map;
+      map.value_name = "max_error (rad)";
+      for (size_t c = 0; c < columns; ++c) map.columns.push_back(std::to_string(c));
+      for (size_t r = 0; r < rows; ++r) map.rows.push_back(std::to_string(r));
+      for (size_t i = 0; i < rows * columns; ++i)
+        map.cells.push_back({-0.00123 * static_cast<double>(i + 1), false, ""});
+      const std::string svg = draw(map);
+      const std::regex number("pointer-events=\"none\">");
+      EXPECT_EQ(std::distance(std::sregex_iterator(svg.begin(), svg.end(), number), std::sregex_iterator()),
+                static_cast<std::ptrdiff_t>(rows * columns));
+      EXPECT_GE((map_width(columns) - 98) / static_cast<double>(columns), 48);
+      EXPECT_TRUE(svg.starts_with("<svg viewBox=\"0 0 " + std::to_string(map_width(columns)) + " "));
+      EXPECT_NE(svg.find("max_error (rad)"), std::string::npos);
+    }
+}
+
+TEST(Draw, MarksOfSeveralSeriesHaveTheirInksAndAKey) {
+  Chart chart{.title = "t"};
+  chart.marks = {{1, 1, 1, 1, "", Ink::Blue}, {2, 2, 2, 2, "", Ink::Red}};
+  chart.key = {{Ink::Blue, "kp 25"}, {Ink::Red, "kp 100"}};
+  const std::string svg = draw(chart);
+  for (const char* const ink : {"f-blue", "f-red"}) {
+    const std::regex dot("class=\"dot " + std::string(ink) + "\"");
+    EXPECT_EQ(std::distance(std::sregex_iterator(svg.begin(), svg.end(), dot), std::sregex_iterator()), 2)
+        << ink;
+  }
+  EXPECT_NE(svg.find("kp 100"), std::string::npos);
 }
 
 TEST(Draw, CurvesAndTicksAreOnOneScale) {

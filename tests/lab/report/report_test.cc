@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 
 #include "lab/report/charts.h"
 #include "lab/report/compare.h"
@@ -21,10 +23,27 @@ TEST(Compare, HowMuchBetter) {
   EXPECT_EQ(in_words(Better::Less, 0.2, 0.2), "same");
   EXPECT_EQ(in_words(Better::Less, 0, 0.2), "–");  // a share of nothing
   EXPECT_EQ(in_words(Better::Less, 3, 0), "100 % better");
-  EXPECT_EQ(in_words(Better::More, 1, 2), "100 %, 2 times better");
-  EXPECT_EQ(in_words(Better::More, -0.5, 0.5), "200 % better");
-  EXPECT_EQ(in_words(Better::Neither, 1, 2), "–");
+  EXPECT_EQ(in_words(Better::Neither, 1, 2), "2 times more");
+  EXPECT_EQ(in_words(Better::Neither, 100, 88), "12 % less");
+  EXPECT_EQ(in_words(Better::Neither, -68, -44), "–");
+  EXPECT_EQ(in_words(Better::Neither, 2, 2), "same");
   EXPECT_EQ(in_words(Better::Less, NAN, 1), "–");
+}
+
+// Less effort, less speed and more margin are other runs, not better ones.
+TEST(Compare, BetterIsSaidOnlyOfErrorsAndTimes) {
+  for (const Metric& metric : metrics()) {
+    const std::string name = metric.name;
+    const bool less_is_better = name.find("error") != std::string::npos ||
+                                name.find("settling") != std::string::npos ||
+                                name.find("overshoot") != std::string::npos ||
+                                name.find("turn") != std::string::npos || name.starts_with("energy_drift");
+    for (const auto& [first, other] : {std::pair(1.0, 3.0), {3.0, 1.0}}) {
+      const std::string words = in_words(metric.better, first, other);
+      EXPECT_EQ(words.ends_with("better") || words.ends_with("worse"), less_is_better)
+          << name << ": " << words;
+    }
+  }
 }
 
 Folder folder_of(const std::string& name, lab::Run run) {
@@ -88,26 +107,105 @@ TEST(Page, StandsWithoutALog) {
   EXPECT_NE(page.find("No manifest.json"), std::string::npos);
 }
 
-// 0.03 rad are 30 mrad, 2.5e-5 rad are 25 µrad.
-TEST(Page, KeyFiguresHaveTheNumberOfTheirUnit) {
-  for (const auto& [error, text] : {std::pair(0.5, "0.5 <small>rad</small>"),
-                                    {0.03, "30 <small>mrad</small>"},
-                                    {2.5e-5, "25 <small>µrad</small>"}}) {
-    const std::string page = run_page(folder_of("a", test::by_hand({0, -error}, {error / 2, 0})));
-    EXPECT_NE(page.find(std::string("<dt>largest error</dt><dd>") + text), std::string::npos) << text;
+/// Joint "turn" and joint "slide", which never move and have these errors.
+lab::Run mixed(const std::vector<double>& turn, const std::vector<double>& slide) {
+  lab::Run run = test::by_hand(turn, slide);
+  const rbd::Inertia ball = rbd::Inertia::FromSphere(1, 0.1);
+  const rbd::SE3 out(Eigen::Matrix3d::Identity(), Eigen::Vector3d(1, 0, 0));
+  run.model = rbd::Model();
+  run.model.addJoint(0, rbd::JointModelRZ(), rbd::SE3(), "turn");
+  run.model.appendBodyToJoint(1, ball);
+  run.model.addJoint(1, rbd::JointModelPX(), out, "slide");
+  run.model.appendBodyToJoint(2, ball);
+  run.model.addFrame(rbd::Frame("tip", 2, out, rbd::BODY));
+  return run;
+}
+
+/// Without tags, and one space where there are several.
+std::string text_of(const std::string& html) {
+  return std::regex_replace(std::regex_replace(html, std::regex("<wbr/>|<[^>]*>"), " "), std::regex("\\s+"),
+                            " ");
+}
+
+// A number is in the unit of metrics.json wherever it stands: in the tile, in the tables and on the axis.
+TEST(Page, OneScaleForTilesTablesAndPlots) {
+  for (const auto& [error, shown] : {std::pair(0.5, "0.5"), {0.03, "0.03"}, {2.5e-5, "2.5e-05"}}) {
+    Folder folder = folder_of("a", test::by_hand({0, -error}, {error / 2, 0}));
+    folder.metrics["verdicts"] = verdicts(folder.metrics, {{"max_error", {.min = {}, .max = 1}}});
+    const std::string page = run_page(folder), text = text_of(page);
+    EXPECT_NE(page.find("<dt>largest error</dt><dd>" + std::string(shown) +
+                        " <small>rad</small></dd><dd class=\"joint\">one<"),
+              std::string::npos);
+    for (const std::string& row : {"✓ met max_error " + std::string(shown) + " rad 1 one",
+                                   "max_error " + std::string(shown) + " rad one"})
+      EXPECT_NE(text.find(row), std::string::npos) << row;
+    for (const char* const prefix : {"mrad", "µrad", "mm<", "µm<", "mJ", "µJ"})
+      EXPECT_EQ(page.find(prefix), std::string::npos) << prefix;
+    const ChartGroup charts = error_charts(folder.log().run);
+    EXPECT_EQ(charts.panels[0].unit, "rad");
+    EXPECT_EQ(charts.panels[0].chart.curves[0].y[1], -error);
   }
 }
 
-// The value farthest from 0 chooses the unit, also if it is negative.
-TEST(Charts, PanelsHaveTheNumbersOfTheirUnit) {
-  const auto panel = [](double y) {
-    return scaled("c", "m", {.title = "t", .curves = {{.label = "", .x = {0, 1}, .y = {y, 0.004}}}});
-  };
-  EXPECT_EQ(panel(-0.5).unit, "m");
-  EXPECT_EQ(panel(-0.5).chart.curves[0].y, (std::vector<double>{-0.5, 0.004}));
-  EXPECT_EQ(panel(-0.02).unit, "mm");
-  EXPECT_NEAR(panel(-0.02).chart.curves[0].y[0], -20, 1e-13);
-  EXPECT_NEAR(panel(-0.02).chart.curves[0].y[1], 4, 1e-13);
+TEST(Page, NoFigureHasTwoUnits) {
+  Folder folder = folder_of("a", mixed({0.2, 0.4}, {0, -0.03}));
+  folder.metrics["verdicts"] = verdicts(folder.metrics, {{"max_error.slide", {.min = {}, .max = 1}}});
+  const std::string page = run_page(folder), text = text_of(page);
+  for (const char* const both : {"rad, m", "Nm, N", "rad or m<", "rad/s, m/s"})
+    EXPECT_EQ(page.find(both), std::string::npos) << both;
+  for (const char* const words :
+       {"largest error, in rad 0.4 rad turn", "largest error, in m 0.03 m slide", "max_error.slide 0.03 m",
+        "joint max error (rad)", "joint max error (m)", "max effort (Nm)", "max effort (N)",
+        "max speed (m/s)", "within 0.01 rad or 0.01 m of", "max_error 0.4 rad turn",
+        "max_error 0.03 m slide"})
+    EXPECT_NE(text.find(words), std::string::npos) << words;
+  const Comparison all = compare({folder, folder_of("b", mixed({0.1, 0.1}, {0, 0.06}))});
+  EXPECT_EQ(all.rows[0].unit, "rad");
+  EXPECT_EQ(all.rows[0].values, (std::vector<double>{0.4, 0.1}));
+  EXPECT_EQ(all.rows[1].unit, "m");
+  EXPECT_EQ(all.rows[1].values, (std::vector<double>{0.03, 0.06}));
+  for (const Comparison::Row& row : all.rows) EXPECT_EQ(row.unit.find(','), std::string::npos) << row.name;
+}
+
+// Joint two goes farther beyond its target; joint one settles last. Each is named where it is meant.
+TEST(Page, TheJointThatOvershootsIsNamed) {
+  std::vector<double> wanted(13, 1);
+  wanted[0] = wanted[1] = 0, wanted[2] = 0.5;
+  lab::Run run = test::by_hand(wanted, wanted);
+  run.references[2].v[0] = 5;
+  for (size_t k = 0; k < 13; ++k) {
+    run.states[k].q[0] = k < 3 ? wanted[k] : k < 9 ? 1.02 : 1;
+    run.states[k].q[1] = k < 3 ? wanted[k] : k < 5 ? 1.3 : 1;
+  }
+  const std::string text = text_of(run_page(folder_of("a", run)));
+  for (const char* const words : {"largest overshoot 0.3 rad two", "overshoot / way 0.3 two",
+                                  "settling, slowest reach 0.6 s one", "0.6 one 0.3 rad two 0.3 two"})
+    EXPECT_NE(text.find(words), std::string::npos) << words;
+}
+
+TEST(Page, PicturesOfAnotherRunAreNotShown) {
+  Folder folder = folder_of("a", test::by_hand({0, 0.1}, {0, 0}));
+  folder.other_pictures = true;
+  EXPECT_NE(run_page(folder).find("show another run"), std::string::npos);
+}
+
+TEST(Charts, EveryJointWithANameHasAColourOfItsOwn) {
+  lab::Run run = test::by_hand({0, 0}, {0, 0});
+  run.model = rbd::Model();
+  constexpr int kJoints = 12;
+  for (int j = 0; j < kJoints; ++j) {
+    run.model.addJoint(static_cast<rbd::JointIndex>(j), rbd::JointModelRZ(), rbd::SE3(),
+                       "joint" + std::to_string(j));
+    run.model.appendBodyToJoint(static_cast<rbd::JointIndex>(j + 1), rbd::Inertia::FromSphere(1, 0.1));
+  }
+  for (size_t k = 0; k < 2; ++k) {
+    run.states[k].q = run.states[k].v = run.states[k].tau = Eigen::VectorXd::Zero(kJoints);
+    run.references[k].q = Eigen::VectorXd::LinSpaced(kJoints, 0, 1);
+  }
+  const ChartGroup group = error_charts(run);
+  std::set<plot::Ink> inks;
+  for (const plot::Curve& one : group.legend) EXPECT_TRUE(inks.insert(one.ink).second) << one.label;
+  EXPECT_EQ(inks.size(), plot::kSeriesInks + 1);
 }
 
 TEST(LoopTimes, QuantilesOfAHistogram) {
