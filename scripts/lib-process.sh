@@ -84,22 +84,22 @@ watch_self() {
 # The state file that ps and wait read: rewritten at every change.
 phase=running ended_code='' reason=''
 write_state() {
-  local name status
-  {
-    echo "supervisor $own_pid $began"
-    echo "isolation ${LAB_ISOLATED:-none}"
-    echo "url ${LCM_DEFAULT_URL:-}"
-    echo "prefix ${LAB_PREFIX:-}"
-    echo "phase $phase"
-    [ "$phase" != ended ] || { now && echo "ended $t"; }
-    echo "code $ended_code"
-    echo "reason $reason"
-    for name in "${names[@]}"; do
-      status=ended
-      if alive "$name"; then status=running; elif [ -n "${due[$name]:-}" ]; then status=waiting; fi
-      echo "process $name $status ${host[$name]:-0} ${began_at[$name]:-0} ${restarts[$name]:-0} ${code[$name]:--} ${required[$name]:-yes} ${policy[$name]:-never}"
-    done
-  } >"$dir/.state" 2>/dev/null && mv -f "$dir/.state" "$dir/state"
+  local name status text
+  text="supervisor $own_pid $began
+isolation ${LAB_ISOLATED:-none}
+url ${LCM_DEFAULT_URL:-}
+prefix ${LAB_PREFIX:-}
+phase $phase
+code $ended_code
+reason $reason
+"
+  [ "$phase" != ended ] || { now && text+="ended $t"$'\n'; }
+  for name in "${names[@]}"; do
+    status=ended
+    if alive "$name"; then status=running; elif [ -n "${due[$name]:-}" ]; then status=waiting; fi
+    text+="process $name $status ${host[$name]:-0} ${began_at[$name]:-0} ${restarts[$name]:-0} ${code[$name]:--} ${required[$name]:-yes} ${policy[$name]:-never}"$'\n'
+  done
+  { printf %s "$text" >"$dir/.state"; } 2>/dev/null && mv -f "$dir/.state" "$dir/state"
 }
 
 # Whether a process that has ended is to be restarted; sets when (due, ms).

@@ -65,7 +65,8 @@ fi
 
 # Output that cannot be written (disk full, closed, /dev/full): where echo or printf cannot write the data of a verb to stdout, it
 # ends with 1 (bash has said why); a message that stderr does not take ends nothing, but 0 becomes 1. A verb that has
-# something to clean up defines `cleanup`: this is the only EXIT trap.
+# something to clean up defines `cleanup`: this is the only EXIT trap. (An echo within a redirected group counts as one to stdout:
+# each has its own redirection.)
 message_lost=''
 cleanup() { :; }
 set -E

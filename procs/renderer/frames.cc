@@ -61,7 +61,8 @@ std::vector<int64_t> steps_of_film(double fps, double dt, int64_t last_step) {
   const int64_t count = std::llround(static_cast<double>(last_step) * dt * fps) + 1;
   std::vector<int64_t> steps;
   for (int64_t i = 0; i + 1 < count; ++i)
-    steps.push_back(std::min<int64_t>(last_step, std::llround(static_cast<double>(i) / fps / dt)));
+    steps.push_back(std::min<int64_t>(
+        last_step, std::llround(static_cast<double>(i) / (fps * dt) + 1e-9)));  // halves go up
   steps.push_back(last_step);
   return steps;
 }
