@@ -99,7 +99,7 @@ std::string printable_lines(std::string_view text) {
 
 std::string printable_name(std::string_view name) {
   if (name.empty()) return "''";
-  const std::string shown = printable(name);
+  std::string shown = printable(name);
   std::vector<size_t> letters;  // where each begins
   for (size_t at = 0; at < shown.size(); at += utf8_length(shown, at)) letters.push_back(at);
   if (letters.size() <= kMaxLetters) return shown;

@@ -83,7 +83,8 @@ std::vector<Loops> read_loops(const std::string& telemetry) {
 
 /// Every picture of ours says near its beginning which run it shows (tEXt, keyword "run").
 bool shows(const std::string& png, int64_t run) {
-  constexpr std::string_view kKeyword("tEXtrun", 8);  // with the 0 that ends it
+  static constexpr char kText[] = "tEXtrun";
+  constexpr std::string_view kKeyword(kText, sizeof kText);  // with the 0 that ends it
   const size_t at = std::string_view(png).substr(0, 1024).find(kKeyword);
   return at == std::string::npos ||
          png.compare(at + kKeyword.size(), 16, fmt::format("{:016x}", static_cast<uint64_t>(run))) == 0;

@@ -144,11 +144,10 @@ json badge_of(const Folder& folder) {
 }
 
 /// How long the run was to last, or did, if it was to go on until it was ended.
-std::string lasted(const Folder& folder) {
-  const Experiment& e = *folder.experiment;
+std::string lasted(const Experiment& e, const json& metrics) {
   if (!e.runs_until_ended()) return number(e.simulator.duration) + " s";
-  if (!folder.metrics.contains("last_step")) return "until it is ended,";
-  return number(std::max(folder.metrics["last_step"].get<double>(), 0.0) * e.simulator.dt) + " s";
+  if (!metrics.contains("last_step")) return "until it is ended,";
+  return number(std::max(metrics["last_step"].get<double>(), 0.0) * e.simulator.dt) + " s";
 }
 
 std::string about(const Folder& folder) {
@@ -158,7 +157,7 @@ std::string about(const Folder& folder) {
   if (folder.logged)
     out += folder.logged->robot.model.name + ", " +
            std::to_string(joints_of(folder.logged->run.model).size()) + " joints · ";
-  out += e.planner.kind + " · " + e.controller.kind + " · " + lasted(folder) + " in steps of " +
+  out += e.planner.kind + " · " + e.controller.kind + " · " + lasted(e, folder.metrics) + " in steps of " +
          number(e.simulator.dt) + " s · " + e.simulator.clock;
   return out;
 }
@@ -190,7 +189,7 @@ std::string run_page(const Folder& folder) {
               {"has_versions", folder.manifest.is_object()},
               {"versions", version_rows(folder.manifest)},
               {"experiment", folder.experiment_text}};
-  if (!values["motion"].is_null() && folder.logged->growing)
+  if (!values["motion"].is_null() && folder.logged && folder.logged->growing)
     values["so_far"] = {{"seconds", number(m["last_step"].get<double>() * m["dt"].get<double>())}};
   else if (!values["motion"].is_null() && !m["complete"].get<bool>())
     values["incomplete"] = {

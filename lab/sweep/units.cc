@@ -24,12 +24,15 @@ std::string of_law(const std::string& unit, const std::string& law) {
 
 }  // namespace
 
-Units::Units(const Sweep& sweep) try {
-  Workbench bench(sweep);
-  const Workbench::Job first = bench.prepare(0);
-  experiment_ = first.experiment;
-  model_ = first.robot->model;
-} catch (const std::exception&) {  // the page says what became of its runs
+Units::Units(const Sweep& sweep) {
+  try {
+    Workbench bench(sweep);
+    const Workbench::Job first = bench.prepare(0);
+    model_ = first.robot->model;
+    experiment_ = first.experiment;
+  } catch (const std::exception&) {
+    model_ = rbd::Model();  // the page says what became of its runs
+  }
 }
 
 std::string Units::of_key(const std::string& key) const {

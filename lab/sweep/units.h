@@ -1,6 +1,7 @@
 // Units of what stands on a sweep's page: of the keys that vary, and of the metrics.
 #pragma once
-#include <optional>
+#include <rbd/model/model.h>
+
 #include <string>
 
 #include "lab/experiment/experiment.h"

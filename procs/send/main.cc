@@ -77,7 +77,8 @@ struct Words {
 
 struct Asked {
   request_t request{};
-  std::optional<reply_t> reply{};
+  reply_t reply{};
+  bool answered = false;  ///< reply is the simulator's
 };
 
 Asked ask(Guest& guest, const Action& action) {
@@ -94,7 +95,7 @@ Asked ask(Guest& guest, const Action& action) {
     auto answer = decode<reply_t>(bytes);
     if (answer.sender != message.sender || answer.id != message.id) return false;
     asked.reply = std::move(answer);
-    return true;
+    return asked.answered = true;
   });
   return asked;
 }
@@ -106,14 +107,14 @@ ordered_json to_json(const Action& action, const reply_t& reply) {
 }
 
 /// Says that there is no answer, or that it is no. Returns the exit code; 0 if the request was accepted.
-int refusal(const Options& options, const Action& action, const std::optional<reply_t>& reply) {
+int refusal(const Options& options, const Action& action, const Asked& asked) {
   if (interrupted) return 128 + interrupted;
-  if (reply && reply->ok) return kOk;
+  if (asked.answered && asked.reply.ok) return kOk;
   if (options.as_json)
-    emit("{}\n", json_text(reply ? to_json(action, *reply)
-                                 : ordered_json{{"verb", action.verb}, {"confirmed", false}}));
-  if (reply)
-    complain("lab-send", told(action, *reply));
+    emit("{}\n", json_text(asked.answered ? to_json(action, asked.reply)
+                                          : ordered_json{{"verb", action.verb}, {"confirmed", false}}));
+  if (asked.answered)
+    complain("lab-send", told(action, asked.reply));
   else
     complain("lab-send",
              fmt::format("{} unconfirmed: no answer in {:g} s; see the log", action.verb, options.timeout));
@@ -121,9 +122,9 @@ int refusal(const Options& options, const Action& action, const std::optional<re
 }
 
 int request(Guest& guest, const Options& options, const Action& action) {
-  const auto reply = ask(guest, action).reply;
-  if (const int code = refusal(options, action, reply)) return code;
-  emit("{}\n", options.as_json ? json_text(to_json(action, *reply)) : told(action, *reply));
+  const Asked asked = ask(guest, action);
+  if (const int code = refusal(options, action, asked)) return code;
+  emit("{}\n", options.as_json ? json_text(to_json(action, asked.reply)) : told(action, asked.reply));
   return kOk;
 }
 
@@ -132,15 +133,15 @@ int request_and_wait(Guest& guest, const Options& options, const Action& action,
   constexpr Micros kSilence = 5'000'000;  // a run that ended without a word, or is paused
   const RunView run = open_run(known);
   const Asked asked = ask(guest, action);
-  if (const int code = refusal(options, action, asked.reply)) return code;
-  Arrival arrival(run.experiment, run.robot.model, action, asked.reply->step);
+  if (const int code = refusal(options, action, asked)) return code;
+  Arrival arrival(run.experiment, run.robot.model, action, asked.reply.step);
   const auto take = [&](Channel channel, std::span<const uint8_t> bytes) {
     if (channel == Channel::Reference) arrival.see(to_signal(decode<reference_t>(bytes)));
     if (channel == Channel::RobotState) arrival.see(to_signal(decode<robot_state_t>(bytes)));
     if (channel == Channel::End) arrival.give_up("the run has ended");
     if (channel == Channel::Input)
       if (const auto input = decode<input_t>(bytes);
-          input.step >= asked.reply->step &&
+          input.step >= asked.reply.step &&
           (input.sender != asked.request.sender || input.id != asked.request.id))
         arrival.see(to_signal(input.action));
     if (channel == Channel::Event)
@@ -155,7 +156,7 @@ int request_and_wait(Guest& guest, const Options& options, const Action& action,
   guest.listen(take, kSilence, until);
   if (interrupted) return 128 + interrupted;
   if (options.as_json) {
-    ordered_json said = to_json(action, *asked.reply);
+    ordered_json said = to_json(action, asked.reply);
     said["reached"] = arrival.reached();
     if (arrival.reached())
       said["reached_step"] = arrival.step();
@@ -172,12 +173,12 @@ int request_and_wait(Guest& guest, const Options& options, const Action& action,
 /// Prints what is in force: lines "name<tab>value<tab>unit" of the simulator's answer, all or those of a process and key.
 int get(Guest& guest, const Options& options, const Words& words) {
   const Action action = plain("get");
-  const auto reply = ask(guest, action).reply;
-  if (const int code = refusal(options, action, reply)) return code;
+  const Asked asked = ask(guest, action);
+  if (const int code = refusal(options, action, asked)) return code;
   const std::string wanted = words.target + (words.assignment.empty() ? "" : "." + words.assignment);
   ordered_json all = ordered_json::object();
   std::vector<std::string> names;
-  for (const Setting& setting : settings_of(reply->reason)) {
+  for (const Setting& setting : settings_of(asked.reply.reason)) {
     names.push_back(setting.name);
     if (!wanted.empty() && setting.name != wanted && !setting.name.starts_with(wanted + ".")) continue;
     all[setting.name] = {{"value", setting.value}, {"unit", setting.unit}};
@@ -310,7 +311,7 @@ int send_verb(const std::string& verb, const Options& options, const Words& word
   Guest guest(options);
   // an emergency stop does not wait to know which lab: without --run it stops every lab that hears it
   if (verb != "estop" && !guest.bind_to_run()) return no_answer(options);
-  if (verb == "goal") return send_goal(guest, options, words, action);
+  if (verb == "goal" || !action) return send_goal(guest, options, words, action);
   if (verb == "get") return get(guest, options, words);
   return request(guest, options, *action);
 }
