@@ -164,7 +164,7 @@ std::string goal_fault(const Config& config, const Action& goal, const Reference
   if (fault.empty() || goal.key != "duration") return fault;
   Action unhurried = goal;
   unhurried.key.clear();
-  if (take_goal(config, rest, unhurried, from.step, from, false).empty())
+  if (take_goal(config, rest, unhurried, from.step, from, false).empty() && rest.detour)
     fault += "; " + number(std::ceil(1000 * rest.detour->path.length) / 1000) + " s would do";
   return fault;
 }

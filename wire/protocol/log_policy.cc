@@ -82,7 +82,7 @@ void LockstepLogPolicy::request(int64_t step) const {
 
 void RealtimeLogPolicy::receive(Channel channel, std::span<const uint8_t> bytes, Micros) {
   if (channel == Channel::RobotState) set_time(peek_utime(bytes));
-  if (utime_)
+  if (utime_ != kNone)
     write(channel, bytes);
   else if (early_.size() < static_cast<size_t>(kWindow))
     early_.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
@@ -91,13 +91,13 @@ void RealtimeLogPolicy::receive(Channel channel, std::span<const uint8_t> bytes,
 }
 
 void RealtimeLogPolicy::on_end(Micros) {
-  set_time(log_.end()->utime);
+  if (const auto& end = log_.end()) set_time(end->utime);
   log_.close();
 }
 
 void RealtimeLogPolicy::set_time(int64_t utime) {
-  utime_ = std::max(utime_.value_or(utime), utime);
-  log_.begin(*utime_);
+  utime_ = std::max(utime_, utime);
+  log_.begin(utime_);
   for (const auto& [channel, bytes] : early_) write(channel, bytes);
   early_.clear();
 }
@@ -110,7 +110,7 @@ void RealtimeLogPolicy::write(Channel channel, std::span<const uint8_t> bytes) {
   }
   const int64_t step = peek_step(bytes);
   if (step % every_ == 0 || channel == Channel::Input || channel == Channel::Event)
-    log_.append(channel, bytes, *utime_);
+    log_.append(channel, bytes, utime_);
   if (channel == Channel::RobotState) log_.written = std::max(log_.written, step);
 }
 

@@ -1,5 +1,6 @@
 // Which messages of a run the logger writes, and when: one policy per clock.
 #pragma once
+#include <limits>
 #include <optional>
 
 #include "wire/protocol/run_log.h"
@@ -54,7 +55,7 @@ class LockstepLogPolicy : public LogPolicy {
 class RealtimeLogPolicy : public LogPolicy {
  public:
   RealtimeLogPolicy(RunLog& log, int64_t every)
-      : log_(log), every_(every), input_seq_(log.input_seq), utime_(log.state_utime) {}
+      : log_(log), every_(every), input_seq_(log.input_seq), utime_(log.state_utime.value_or(kNone)) {}
 
   void receive(Channel channel, std::span<const uint8_t> bytes, Micros now) override;
   void on_end(Micros) override;
@@ -65,8 +66,9 @@ class RealtimeLogPolicy : public LogPolicy {
 
   RunLog& log_;
   const int64_t every_;
-  int64_t input_seq_;                             ///< of the last INPUT written
-  std::optional<int64_t> utime_;                  ///< of the newest ROBOT_STATE
+  int64_t input_seq_;  ///< of the last INPUT written
+  static constexpr int64_t kNone = std::numeric_limits<int64_t>::min();
+  int64_t utime_ = kNone;                         ///< of the newest ROBOT_STATE
   std::vector<std::pair<Channel, Bytes>> early_;  ///< what came before the first, at most kWindow
 };
 

@@ -178,8 +178,8 @@ std::string SimulatorRole::execute(const request_t& request, Micros now) {
   if (phase_ == Phase::Gathering) return "the run has not started";
   if (phase_ != Phase::Running || published_ >= last_step_) return "the run is ending";
   const Action action = to_signal(request.action);
-  if (action.verb == "get") {  // answered with what is in force; changes nothing
-  } else if (action.verb == "pause") {
+  if (action.verb == "get") return {};  // answered with what is in force
+  if (action.verb == "pause") {
     paused_ = true;
   } else if (action.verb == "resume") {
     paused_ = false;
