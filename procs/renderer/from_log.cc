@@ -293,10 +293,10 @@ int render_log(const FromLog& job) {
   const Moments snapshots = moments_of(read, plan.pictures);
   std::optional<Scratch> scratch;
   if (!job.video.empty()) scratch.emplace(job.video);
-  const std::string folder = job.folder.empty() ? scratch->folder : job.folder;
+  const std::string folder = scratch && job.folder.empty() ? scratch->folder : job.folder;
   if (!snapshots.empty()) draw_frames(job, run, snapshots, folder, {{"run", id}});
   if (snapshots.size() > 1 && job.contact == 0 && !job.folder.empty()) write_overview(snapshots, folder);
-  if (!job.video.empty()) write_film(job, plan, folder, scratch->folder, "run " + id);
+  if (scratch) write_film(job, plan, folder, scratch->folder, "run " + id);
   draw_overviews(job.folder, run, moments_of(read, plan.cells), plan.ghosts, {{"run", id}});
   return logged.log.complete() || (logged.log.sound() && is_being_written(path)) ? kOk : kCheckFailed;
 }
