@@ -30,7 +30,7 @@ void LockstepLoggedSteps::take(Channel channel, std::span<const uint8_t> message
   }
   if (open_ && step > open_->record.step) close();
   if (!open_) {
-    open_.emplace();
+    open_ = Step{};
     open_->record.clear(step);
     open_->offset = event.offset;
   }
