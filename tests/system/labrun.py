@@ -33,6 +33,23 @@ def experiment(folder, dt=0.005, duration=2.0):
     return str(path)
 
 
+LIVE = """
+robot: {{model: "{root}/models/simple_3dof_arm.urdf", armature: 0.2}}
+simulator: {{dt: 0.005, duration: 600, clock: realtime}}
+planner: {{kind: sinusoid, amplitude: 0.4}}
+controller: {{kind: pd, kp: 100, kd: 20}}
+safety: {{timeout: 0.5}}
+renderer: {{enabled: false}}
+"""
+
+
+def live_experiment(folder):
+    """The arm in motion for minutes, in real time. Returns the file."""
+    path = pathlib.Path(folder) / "live.yaml"
+    path.write_text(LIVE.format(root=ROOT))
+    return str(path)
+
+
 def environment(**extra):
     return {**os.environ, "LAB_BUILD": str(BUILD), **extra}
 

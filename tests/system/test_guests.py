@@ -10,14 +10,6 @@ import pytest
 import labrun as lab
 from labrun import call, ok
 
-LIVE = """
-robot: {{model: "{root}/models/simple_3dof_arm.urdf", armature: 0.2}}
-simulator: {{dt: 0.005, duration: 600, clock: realtime}}
-planner: {{kind: sinusoid, amplitude: 0.4}}
-controller: {{kind: pd, kp: 100, kd: 20}}
-safety: {{timeout: 0.5}}
-renderer: {{enabled: false}}
-"""
 PUBLISHER = """
 import sys
 import lcm
@@ -40,7 +32,6 @@ def python():
 def test_plain_lcm_programs_take_part(python, tmp_path):
     runs, folder = tmp_path / "runs", tmp_path / "runs" / "live"
     types = lab.generated_types(tmp_path / "types")
-    (tmp_path / "live.yaml").write_text(LIVE.format(root=lab.ROOT))
     programs = []
 
     def start(*words):
@@ -57,7 +48,7 @@ def test_plain_lcm_programs_take_part(python, tmp_path):
     def whats(after):
         return [event.what for event in events()[after:]]
 
-    ok(call(runs, "up", "-d", "-f", str(tmp_path / "live.yaml"), "simulator", "planner", "logger"))
+    ok(call(runs, "up", "-d", "-f", lab.live_experiment(tmp_path), "simulator", "planner", "logger"))
     try:
         controller = start(python, lab.ROOT / "examples" / "controller.py", 100, 20)
         lab.until(lambda: "running" in whats(0), "the robot is moved by a controller that the lab did not start")

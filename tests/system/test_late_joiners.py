@@ -11,14 +11,6 @@ import pytest
 import labrun as lab
 from labrun import call, ok
 
-LIVE = """
-robot: {{model: "{root}/models/simple_3dof_arm.urdf", armature: 0.2}}
-simulator: {{dt: 0.005, duration: 600, clock: realtime}}
-planner: {{kind: sinusoid, amplitude: 0.4}}
-controller: {{kind: pd, kp: 100, kd: 20}}
-safety: {{timeout: 0.5}}
-renderer: {{enabled: false}}
-"""
 EVERY_TYPE = {f"lab.{path.stem}" for path in (lab.ROOT / "lcmtypes").glob("*.lcm")}
 SOON = 5  # s in which a program that comes late knows all
 
@@ -26,12 +18,6 @@ SOON = 5  # s in which a program that comes late knows all
 @pytest.fixture(scope="module")
 def types(tmp_path_factory):
     return lab.generated_types(tmp_path_factory.mktemp("types"))
-
-
-def live(folder):
-    path = folder / "live.yaml"
-    path.write_text(LIVE.format(root=lab.ROOT))
-    return str(path)
 
 
 def port_of(folder):
@@ -100,7 +86,7 @@ def play(log, tmp_path):
 
 def test_a_live_lab_introduces_itself_and_its_log_has_one_clock(runs, tmp_path, types):
     folder = runs / "live"
-    ok(call(runs, "up", "-d", "-f", live(tmp_path)))
+    ok(call(runs, "up", "-d", "-f", lab.live_experiment(tmp_path)))
     ok(call(runs, "wait", "--ready"))
     heard, sources = learn(lab.Bus(port=port_of(folder)), types)
     assert set(sources) == EVERY_TYPE
@@ -161,7 +147,7 @@ def test_a_process_ends_at_its_deadline(name, tmp_path):
     # no simulator at all
     end_of(start(f"lab-{name}", "--run-dir", str(own), "--ready", "0.5"), 0.4, 4, "no RUN from the simulator in 0.5 s")
     # one that dies
-    simulator = start("lab-simulator", "--experiment", live(tmp_path))
+    simulator = start("lab-simulator", "--experiment", lab.live_experiment(tmp_path))
     process = start(f"lab-{name}", "--run-dir", str(own), "--deadline", "1")
     bus = lab.Bus(port=7680)
 
