@@ -21,6 +21,17 @@ int guarded_main(const std::string& program, const std::function<int()>& work) {
   }
 }
 
+void add_bus_options(CommandLine& line, std::string& url, std::string& prefix, const char* url_names) {
+  line.option(url_names, url, "LCM URL (default: env LCM_DEFAULT_URL)");
+  line.option("--prefix", prefix, "of channel names, where several robots share a bus").env("LAB_PREFIX");
+}
+
+void add_waits(CommandLine& line, double& deadline, double& ready) {
+  line.option("--deadline", deadline, "s without a message from the simulator that end the process")
+      .positive();
+  line.option("--ready", ready, "s to wait for RUN").positive();
+}
+
 namespace {
 
 using MakeRole = std::function<std::unique_ptr<Role>(FollowerConfig, Publish)>;
@@ -40,12 +51,8 @@ int follow(int argc, char** argv, const std::string& name, const MakeRole& make_
   double deadline = 10, ready = 10;
   line.option("--run-dir", run_dir, "the run's folder: lets a restarted process catch up from its log")
       .env("LAB_RUN_DIR");
-  line.option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
-      .env("LAB_PREFIX");
-  line.option("--deadline", deadline, "s without a message from the simulator that end the process")
-      .positive();
-  line.option("--ready", ready, "s to wait for RUN").positive();
+  add_bus_options(line, options.url, options.prefix);
+  add_waits(line, deadline, ready);
   if (const auto code = line.parse(argc, argv)) return *code;
   return guarded_main("lab-" + name, [&] {
     Participant participant(options);

@@ -18,12 +18,8 @@ int run(int argc, char** argv) {
   std::string run_dir;
   double deadline = 10, ready = 10, quota = 0;
   line.option("--run-dir", run_dir, "folder that the logs go to").env("LAB_RUN_DIR").required();
-  line.option("-l,--lcm-url,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
-      .env("LAB_PREFIX");
-  line.option("--deadline", deadline, "s without a message from the simulator that end the process")
-      .positive();
-  line.option("--ready", ready, "s to wait for RUN").positive();
+  lab::add_bus_options(line, options.url, options.prefix, "-l,--lcm-url,--url");
+  lab::add_waits(line, deadline, ready);
   line.option("--quota-mb", quota,
               "of log.lcm and of telemetry.lcm: at half of it what was written becomes log.earlier.lcm, "
               "in place of "

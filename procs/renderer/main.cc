@@ -94,9 +94,7 @@ int run(int argc, char** argv) {
   FromLog job;
   const lab::Option live = line.option(
       "--run-dir", run_dir, "the run folder: reads experiment.yaml, writes frames/, contact.png, ghost.png");
-  line.option("-l,--url", participation.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  line.option("--prefix", participation.prefix, "of channel names, where several robots share a bus")
-      .env("LAB_PREFIX");
+  lab::add_bus_options(line, participation.url, participation.prefix);
   const LogOptions options = add_outputs(line, job);
   lab::Option(options.source).excludes(live);
   add_appearance(line, job, options.source);

@@ -202,9 +202,7 @@ int no_answer(const Options& options) {
 }
 
 Option add_options(CommandLine& line, Options& options) {
-  line.option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
-      .env("LAB_PREFIX");
+  add_bus_options(line, options.url, options.prefix);
   line.option("--run-dir", options.run_dir, "the lab's folder: only its own simulator is asked")
       .env("LAB_RUN_DIR");
   line.option("--run", options.run, "only this run (hexadecimal), where several are on the bus")

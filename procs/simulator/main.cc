@@ -23,9 +23,7 @@ int run(int argc, char** argv) {
   std::string experiment_file, run_dir;
   line.option("--experiment", experiment_file, "YAML file (default: the run folder's experiment.yaml)");
   line.option("--run-dir", run_dir, "the run's folder").env("LAB_RUN_DIR");
-  line.option("-l,--url", options.url, "LCM URL (default: env LCM_DEFAULT_URL)");
-  line.option("--prefix", options.prefix, "of channel names, where several robots share a bus")
-      .env("LAB_PREFIX");
+  lab::add_bus_options(line, options.url, options.prefix);
   if (const auto code = line.parse(argc, argv)) return *code;
   return lab::guarded_main("lab-simulator", [&] {
     if (experiment_file.empty())
