@@ -15,4 +15,7 @@ enum ExitCode : int {
   kAgain = 75  ///< the simulator asks its supervisor to start every process again (EX_TEMPFAIL of sysexits.h)
 };
 
+/// Whether a person ended it: HUP, INT or TERM.
+constexpr bool was_stopped(int code) { return code == 129 || code == 130 || code == 143; }
+
 }  // namespace lab

@@ -62,6 +62,18 @@ const std::vector<Metric>& metrics() {
   return all;
 }
 
+const Metric* metric_of(const std::string& name) {
+  const std::string metric = name.substr(0, name.find('.'));
+  for (const Metric& one : metrics())
+    if (one.name == metric) return &one;
+  return nullptr;
+}
+
+double number_in(const json& object, const std::string& key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : NAN;
+}
+
 void check_expect(const Experiment& e, const rbd::Model& model) {
   std::vector<std::string> names;
   for (const Metric& metric : metrics()) names.push_back(metric.name);

@@ -22,6 +22,8 @@ struct Metric {
   Better better = Better::Less;
 };
 const std::vector<Metric>& metrics();
+/// That of "max_error" or "max_error.elbow"; null if there is none.
+const Metric* metric_of(const std::string& name);
 
 /// Refuses (ExperimentError) an expected metric or joint that does not exist.
 void check_expect(const Experiment&, const rbd::Model&);
@@ -30,6 +32,9 @@ void check_evaluation(const Experiment&, const rbd::Model&);
 
 /// The value of "max_error" or "max_error.elbow" in finished metrics; null if it has none.
 nlohmann::json value_of(const nlohmann::json& metrics, const std::string& name);
+
+/// A number of a JSON object; NaN if it has none there.
+double number_in(const nlohmann::json& object, const std::string& key);
 
 /// One per bound: metric, value, min, max, ok. A metric without a value fails.
 nlohmann::json verdicts(const nlohmann::json& metrics, const std::map<std::string, Bound>& expect);

@@ -12,12 +12,6 @@ namespace {
 
 using nlohmann::json;
 
-const Metric* find(const std::string& name) {
-  for (const Metric& one : metrics())
-    if (one.name == name) return &one;
-  return nullptr;
-}
-
 /// "rad/s, m/s": of joints that turn, and of those that slide. The same twice for all others.
 std::pair<std::string, std::string> both(const std::string& unit) {
   const size_t comma = unit.find(", ");
@@ -26,11 +20,6 @@ std::pair<std::string, std::string> both(const std::string& unit) {
 }
 
 bool depends_on_joint(const std::string& unit) { return unit.find(", ") != std::string::npos; }
-
-double number_in(const json& from, const std::string& key) {
-  const auto found = from.find(key);
-  return found != from.end() && found->is_number() ? found->get<double>() : NAN;
-}
 
 /// Of the joints of one kind. A joint without a value counts where that means "never": the figure has none either.
 Figure over(const json& joints, const std::string& metric, const std::vector<bool>& counts) {
@@ -89,13 +78,13 @@ std::string chosen_unit(const std::string& unit, const rbd::Model& model, const 
 
 std::string unit_of(const std::string& metric, const rbd::Model& model) {
   const size_t dot = metric.find('.');
-  const Metric* const known = find(metric.substr(0, dot));
+  const Metric* const known = metric_of(metric);
   if (known == nullptr) return "";
   return chosen_unit(known->unit, model, dot == std::string::npos ? "" : metric.substr(dot + 1));
 }
 
 std::vector<Figure> figures_of(const json& all, const std::string& metric, const rbd::Model& model) {
-  const Metric* const known = find(metric);
+  const Metric* const known = metric_of(metric);
   const double value = number_in(all, metric);
   const auto joints = all.find("joints");
   const std::vector<bool> kinds = sliding_joints(model);
@@ -117,7 +106,7 @@ Figure figure_over(const json& all, const std::string& metric, const rbd::Model&
   if (!any(counts, !sliding)) return figures_of(all, metric, model).front();
   if (!sliding) counts.flip();
   Figure out = over(all["joints"], metric, counts);
-  const Metric* const known = find(metric);
+  const Metric* const known = metric_of(metric);
   if (known != nullptr) out.unit = sliding ? both(known->unit).second : both(known->unit).first;
   return out;
 }

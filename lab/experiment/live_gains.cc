@@ -69,6 +69,22 @@ std::vector<std::string> gain_keys() {
   return keys;
 }
 
+std::string unit_for_law(const std::string& units, const std::string& law) {
+  std::string first;
+  for (size_t at = 0; at < units.size();) {
+    const size_t end = std::min(units.find("; ", at), units.size());
+    const std::string part = units.substr(at, end - at);
+    const size_t colon = part.find(": ");
+    const std::string unit = colon == std::string::npos ? part : part.substr(colon + 2);
+    if (colon != std::string::npos &&
+        (", " + part.substr(0, colon) + ",").find(", " + law + ",") != std::string::npos)
+      return unit;
+    if (first.empty()) first = unit;
+    at = end + 2;
+  }
+  return first;
+}
+
 std::string gain_fault(const rbd::Model& model, const Action& action) {
   const std::vector<std::string> keys = gain_keys();
   if (std::find(keys.begin(), keys.end(), action.key) == keys.end())

@@ -20,6 +20,10 @@ LiveGains live_gains(const Experiment&, const rbd::Model&);
 /// kp, kd, ..: as `set controller` names them.
 std::vector<std::string> gain_keys();
 
+/// Of a key's unit, "pd: Nm/rad, N/m; computed_torque: 1/s2", what holds for a law; the first for a law that is not listed, a
+/// unit for all laws as it is.
+std::string unit_for_law(const std::string& unit, const std::string& law);
+
 /// Why the gain action.key cannot have the action's values; empty if it can.
 std::string gain_fault(const rbd::Model&, const Action&);
 

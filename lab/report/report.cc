@@ -90,8 +90,8 @@ json motion_values(const Folder& folder) {
           {"has_verdicts", !m["verdicts"].empty()},
           {"verdicts", verdict_rows(m, run.model)},
           {"tracking", drawn(tracking_charts(run))},
-          {"band", band_in_words(value(m, "band"), run.model)},
-          {"within_band", value(m, "max_error") <= value(m, "band")},
+          {"band", band_in_words(number_in(m, "band"), run.model)},
+          {"within_band", number_in(m, "max_error") <= number_in(m, "band")},
           {"error", drawn(error_charts(run))},
           {"joint_tables", joint_tables(m, run.model)},
           {"has_reaches", !m["reaches"].empty()},
@@ -132,7 +132,7 @@ json badge_of(const Folder& folder) {
       folder.manifest.is_object() ? folder.manifest.value("exit_codes", json::object()) : json::object();
   const int code = codes.contains("run") && codes["run"].is_number_integer() ? codes["run"].get<int>() : 0;
   if (code == 124) return badge("timed out", false);
-  if (code == 130 || code == 143 || code == 129) return badge("stopped", false);
+  if (was_stopped(code)) return badge("stopped", false);
   if (code > 1) return badge("ended with exit " + std::to_string(code), false);
   if (!folder.logged) return badge("no log", false);
   if (!folder.logged->log.sound()) return badge("damaged log", false);

@@ -40,7 +40,7 @@ json joint_table(const json& m, const rbd::Model& model, bool sliding) {
   for (size_t j = 0; j < joints.size(); ++j) {
     if (slides(model, joints[j].iv) != sliding) continue;
     json cells = json::array();
-    for (const auto& [key, label] : kJointColumns) cells.push_back(figure(value(m["joints"][j], key), 3));
+    for (const auto& [key, label] : kJointColumns) cells.push_back(figure(number_in(m["joints"][j], key), 3));
     rows.push_back({{"name", page::breakable(joints[j].name)}, {"cells", std::move(cells)}});
   }
   if (rows.size() > 1) {
@@ -73,10 +73,6 @@ json list_of_shown(const std::vector<Figure>& figures) {
 
 }  // namespace
 
-double value(const json& from, const std::string& key) {
-  return from.contains(key) && from[key].is_number() ? from[key].get<double>() : NAN;
-}
-
 json shown(const Figure& one, int digits) {
   return {{"value", figure(one.value, digits)},
           {"unit", std::isfinite(one.value) ? one.unit : ""},
@@ -97,13 +93,13 @@ json key_figures(const json& m, const rbd::Model& model) {
   add("largest error", "max_error");
   add("RMS error", "rms_error");
   if (m["tool_frame"].is_string()) add("largest tool error", "max_tool_error");
-  if (value(m, "reach_count") > 0) {
+  if (number_in(m, "reach_count") > 0) {
     add("settling, slowest reach", "reach_settling_max");
     if (m["reach_settling_max"].is_null()) out.back().update({{"value", "not settled"}, {"bad", true}});
-    if (std::isfinite(value(m, "overshoot_max"))) add("largest overshoot", "overshoot_max");
-    if (std::isfinite(value(m, "overshoot_share_max"))) add("overshoot / way", "overshoot_share_max");
+    if (std::isfinite(number_in(m, "overshoot_max"))) add("largest overshoot", "overshoot_max");
+    if (std::isfinite(number_in(m, "overshoot_share_max"))) add("overshoot / way", "overshoot_share_max");
   }
-  if (value(m, "max_effort_share") > 0) add("effort / limit", "max_effort_share");
+  if (number_in(m, "max_effort_share") > 0) add("effort / limit", "max_effort_share");
   add("largest effort", "max_effort");
   add("energy drift", "energy_drift");
   if (m.contains("handbook_grade")) {
@@ -124,11 +120,11 @@ json verdict_rows(const json& m, const rbd::Model& model) {
     const Figure found = figure_of(m, name, model);
     rows.push_back({{"ok", one["ok"]},
                     {"metric", page::breakable(name)},
-                    {"value", figure(value(one, "value"))},
+                    {"value", figure(number_in(one, "value"))},
                     {"unit", found.unit},
                     {"joint", page::breakable(found.joint)},
-                    {"min", one.contains("min") ? figure(value(one, "min")) : ""},
-                    {"max", one.contains("max") ? figure(value(one, "max")) : ""}});
+                    {"min", one.contains("min") ? figure(number_in(one, "min")) : ""},
+                    {"max", one.contains("max") ? figure(number_in(one, "max")) : ""}});
   }
   return rows;
 }
@@ -148,8 +144,8 @@ json reach_rows(const json& m, const rbd::Model& model) {
     json settling = shown(figures_of(reach, "reach_settling_max", model)[0]);
     settling["never"] = one["reach_settling_max"].is_null();
     rows.push_back({{"number", rows.size() + 1},
-                    {"arrival", figure(value(one, "arrival"))},
-                    {"end", figure(value(one, "end"))},
+                    {"arrival", figure(number_in(one, "arrival"))},
+                    {"end", figure(number_in(one, "end"))},
                     {"settling", std::move(settling)},
                     {"overshoot", list_of_shown(figures_of(reach, "overshoot_max", model))},
                     {"overshoot_share", list_of_shown(figures_of(reach, "overshoot_share_max", model))},

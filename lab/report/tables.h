@@ -10,9 +10,6 @@
 
 namespace lab::report {
 
-/// A number, or NaN.
-double value(const nlohmann::json& from, const std::string& key);
-
 /// For figure.html: value, unit, joint (HTML), bad.
 nlohmann::json shown(const Figure&, int digits = 4);
 

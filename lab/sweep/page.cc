@@ -66,10 +66,9 @@ json draw_rows(const Sweep& sweep, const Units& units) {
 /// What the metric is.
 std::string what(const std::string& name) {
   const size_t dot = name.find('.');
-  for (const Metric& known : metrics())
-    if (known.name == name.substr(0, dot))
-      return known.what + (dot == std::string::npos ? "" : "; here of " + name.substr(dot + 1) + " alone");
-  return "";
+  const Metric* const known = metric_of(name);
+  if (!known) return "";
+  return known->what + (dot == std::string::npos ? "" : "; here of " + name.substr(dot + 1) + " alone");
 }
 
 json metric_values(const Sweep& sweep, const std::vector<Row>& rows, const Units& units, size_t m) {

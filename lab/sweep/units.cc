@@ -2,27 +2,10 @@
 
 #include "lab/evaluation/units.h"
 #include "lab/experiment/keys.h"
+#include "lab/experiment/live_gains.h"
 #include "lab/sweep/workbench.h"
 
 namespace lab::sweep {
-namespace {
-
-/// Of "pd: Nm/rad, N/m; computed_torque, com_velocity: 1/s" what holds for a law; a unit for all laws as it is.
-std::string of_law(const std::string& unit, const std::string& law) {
-  if (unit.find(": ") == std::string::npos) return unit;
-  for (size_t from = 0; from < unit.size();) {
-    const size_t end = std::min(unit.find("; ", from), unit.size()), colon = unit.find(": ", from);
-    const std::string laws = ", " + unit.substr(from, colon - from) + ",";
-    // the laws that add something to a pd have its gains
-    if (laws.find(", " + law + ",") != std::string::npos ||
-        (law.starts_with("pd_") && laws.find(", pd,") != std::string::npos))
-      return unit.substr(colon + 2, end - colon - 2);
-    from = end + 2;
-  }
-  return "";
-}
-
-}  // namespace
 
 Units::Units(const Sweep& sweep) {
   try {
@@ -43,7 +26,7 @@ std::string Units::of_key(const std::string& key) const {
     unit = known.unit;
     joint = key.size() > name.size() ? key.substr(name.size() + 1) : "";
   });
-  return chosen_unit(of_law(unit, experiment_.controller.kind), model_, joint);
+  return chosen_unit(unit_for_law(unit, experiment_.controller.kind), model_, joint);
 }
 
 std::string Units::of_metric(const std::string& metric) const { return unit_of(metric, model_); }

@@ -46,23 +46,21 @@ json file_hash(const std::string& path) {
   return fs::exists(path) ? json(hex(hash_of_file(path))) : json(nullptr);
 }
 
-/// What a JSON file of the run's folder holds; null if it is not there or is no object.
+std::string version(int major, int minor, int patch) {
+  return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
+}
+
+}  // namespace
+
 json object_in(const std::string& path) {
   std::ifstream in(path);
   json found = in ? try_parse_json(std::string(std::istreambuf_iterator<char>(in), {})) : json();
   return found.is_object() ? found : json();
 }
 
-/// A member of an object; null if there is none.
 json member(const json& object, const char* key) {
   return object.is_object() ? object.value(key, json()) : json();
 }
-
-std::string version(int major, int minor, int patch) {
-  return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
-}
-
-}  // namespace
 
 json manifest(const std::string& dir, const Launch& launch) {
   json out;

@@ -66,9 +66,8 @@ void name_runs(const Sweep& sweep, const std::vector<Row>& rows, const char* wha
 
 /// " rad, m"; "" for a metric without a unit.
 std::string unit_of(const std::string& name) {
-  for (const Metric& metric : metrics())
-    if (name.substr(0, name.find('.')) == metric.name && *metric.unit) return std::string(" ") + metric.unit;
-  return "";
+  const Metric* const metric = metric_of(name);
+  return metric && *metric->unit ? std::string(" ") + metric->unit : "";
 }
 
 int finish(const Sweep& sweep, const std::vector<Row>& rows, const Options& o) {

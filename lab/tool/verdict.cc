@@ -3,25 +3,19 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "core/util/exit_code.h"
-#include "core/util/json_text.h"
 #include "core/util/number.h"
 #include "lab/evaluation/metrics.h"
+#include "lab/page/template.h"
+#include "lab/tool/manifest.h"
 
 namespace lab {
 namespace {
 
 using nlohmann::json;
 using nlohmann::ordered_json;
-
-json read_json(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  const json found = in ? try_parse_json(std::string(std::istreambuf_iterator<char>(in), {})) : json();
-  return found.is_object() ? found : json::object();
-}
 
 /// What the supervisor said at the end.
 std::string reason_of(const std::string& run_dir) {
@@ -34,34 +28,21 @@ std::string reason_of(const std::string& run_dir) {
 const char* word_for(int code) {
   if (code == kOk) return "ok";
   if (code == kCheckFailed) return "failed";
-  return code == 129 || code == 130 || code == 143 ? "stopped" : "error";
+  return was_stopped(code) ? "stopped" : "error";
 }
 
+/// As the value of an attribute, whose line feeds would be read as spaces.
 std::string xml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (static_cast<unsigned char>(c) < ' ')
-      out += c == '\n' ? "&#10;" : " ";
-    else
-      out += c;
-  }
+  std::string out = page::escape(text);
+  for (size_t at = 0; (at = out.find('\n', at)) != std::string::npos; at += 5) out.replace(at, 1, "&#10;");
   return out;
 }
 
 /// "max_error is 0.3 rad, m, at most 0.1"
 std::string words_of(const ordered_json& verdict) {
   const std::string metric = verdict["metric"];
-  std::string unit;
-  for (const Metric& known : metrics())
-    if (metric.substr(0, metric.find('.')) == known.name && *known.unit) unit = std::string(" ") + known.unit;
+  const Metric* const known = metric_of(metric);
+  const std::string unit = known && *known->unit ? std::string(" ") + known->unit : "";
   const ordered_json& value = verdict["value"];
   std::string text =
       metric + " is " + (value.is_number() ? rounded(value.get<double>()) + unit : "not known");
@@ -74,19 +55,19 @@ std::string words_of(const ordered_json& verdict) {
 
 ordered_json run_verdict(const std::string& run_dir, const std::string& name, int exit_code,
                          const std::string& reason) {
-  const json manifest = run_dir.empty() ? json::object() : read_json(run_dir + "/manifest.json");
+  const json manifest = run_dir.empty() ? json() : object_in(run_dir + "/manifest.json");
   // metrics of the run in this folder, not of one before it: they exist when it was evaluated
   const bool evaluated = exit_code == kOk || exit_code == kCheckFailed;
-  const json metrics = run_dir.empty() || !evaluated ? json::object() : read_json(run_dir + "/metrics.json");
+  const json metrics = run_dir.empty() || !evaluated ? json() : object_in(run_dir + "/metrics.json");
   ordered_json out;
   out["name"] = name;
   out["folder"] = run_dir.empty() ? json(nullptr) : json(run_dir);
   out["exit_code"] = exit_code;
   out["verdict"] = word_for(exit_code);
   out["reason"] = !reason.empty() || run_dir.empty() ? reason : reason_of(run_dir);
-  out["wall_seconds"] = manifest.value("wall_seconds", json());
-  out["verdicts"] = metrics.value("verdicts", json::array());
-  out["metrics"] = metrics;
+  out["wall_seconds"] = member(manifest, "wall_seconds");
+  out["verdicts"] = metrics.is_object() ? metrics.value("verdicts", json::array()) : json::array();
+  out["metrics"] = metrics.is_object() ? metrics : json::object();
   return out;
 }
 

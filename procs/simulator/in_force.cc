@@ -28,23 +28,6 @@ std::string value_of(const rbd::Model& model, const Eigen::VectorXd& gain) {
 std::string value_of(const rbd::Model&, const std::array<double, 2>& gain) { return joined(gain); }
 std::string value_of(const rbd::Model&, double gain) { return number(gain); }
 
-/// The part of "pd: Nm/rad, N/m; computed_torque: 1/s2" that is for a law; the first one's where none is.
-std::string unit_of(const std::string& units, const std::string& law) {
-  std::string first;
-  for (size_t at = 0; at < units.size();) {
-    const size_t end = std::min(units.find("; ", at), units.size());
-    const std::string part = units.substr(at, end - at);
-    const size_t colon = part.find(": ");
-    const std::string unit = colon == std::string::npos ? part : part.substr(colon + 2);
-    if (colon != std::string::npos &&
-        (", " + part.substr(0, colon) + ",").find(", " + law + ",") != std::string::npos)
-      return unit;
-    if (first.empty()) first = unit;
-    at = end + 2;
-  }
-  return first;
-}
-
 }  // namespace
 
 InForce::InForce(const Experiment& e, const rbd::Model& model, std::vector<std::string> gains)
@@ -74,7 +57,7 @@ std::string InForce::text() const {
       [&](const Key& key, const auto& gain) {
         const std::string name = key.name;
         if (std::find(names_.begin(), names_.end(), name.substr(name.rfind('.') + 1)) != names_.end())
-          out += name + "\t" + value_of(model_, gain) + "\t" + unit_of(key.unit, law_) + "\n";
+          out += name + "\t" + value_of(model_, gain) + "\t" + unit_for_law(key.unit, law_) + "\n";
       },
       gains_);
   for (const auto& [name, value] : others_) out += name + "\t" + value + "\n";
