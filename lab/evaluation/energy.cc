@@ -9,10 +9,10 @@
 
 namespace lab {
 
-EnergyBalance energy_balance(const Run& run) {
-  EnergyBalance out{.energy = {}, .work = {}, .drift = NAN, .kinetic_peak = NAN};
-  for (size_t k = 0; k < run.states.size(); ++k)
-    if (run.states[k].step != static_cast<int64_t>(k)) return out;
+EnergyBalance energy_balance(const Run& run, const VisitEnergy& visit) {
+  StepReader steps(run.steps);
+  for (size_t k = 0; k < run.steps.size(); ++k)
+    if (steps.at(k).state.step != static_cast<int64_t>(k)) return {};
   rbd::Data data(run.model);
   Eigen::VectorXd displacement(run.model.nv);
   const auto loss = [&](const Eigen::VectorXd& v) {
@@ -21,33 +21,35 @@ EnergyBalance energy_balance(const Run& run) {
       power += rbd::frictionEffort(run.damping[i], run.friction[i], v[i]) * v[i];
     return power;
   };
-  double work = 0;
-  out.drift = out.kinetic_peak = 0;
-  for (size_t k = 0; k < run.states.size(); ++k) {
-    const RobotState& s = run.states[k];
+  EnergyBalance out;
+  out.work = out.drift = out.kinetic_peak = 0;
+  RobotState before;
+  for (size_t k = 0; k < run.steps.size(); ++k) {
+    const RunStep& step = steps.at(k);
+    const RobotState& s = step.state;
     const double kinetic = rbd::computeKineticEnergy(run.model, data, s.q, s.v);
-    out.energy.push_back(kinetic + rbd::computePotentialEnergy(run.model, data, s.q));
-    if (!run.stored_energy.empty()) out.energy.back() += run.stored_energy[k];
-    if (!run.external_work.empty()) work += run.external_work[k];
-    if (k > 0) {
-      const RobotState& before = run.states[k - 1];
+    out.last = kinetic + rbd::computePotentialEnergy(run.model, data, s.q) + step.stored_energy;
+    out.work += step.external_work;
+    if (k == 0) {
+      out.first = out.last;
+    } else {
       rbd::difference(run.model, before.q, s.q, displacement);
-      for (Eigen::Index i = 0; i < displacement.size(); ++i) work += s.tau[i] * displacement[i];
-      work -= 0.5 * run.dt * (loss(before.v) + loss(s.v));
+      for (Eigen::Index i = 0; i < displacement.size(); ++i) out.work += s.tau[i] * displacement[i];
+      out.work -= 0.5 * run.dt * (loss(before.v) + loss(s.v));
     }
-    out.work.push_back(work);
-    out.drift = std::max(out.drift, std::abs(out.energy.back() - out.energy.front() - work));
+    before = s;
+    out.drift = std::max(out.drift, std::abs(out.last - out.first - out.work));
     out.kinetic_peak = std::max(out.kinetic_peak, kinetic);
+    if (visit) visit(static_cast<double>(s.step) * run.dt, out.last, out.work);
   }
   return out;
 }
 
 void add_energy_metrics(nlohmann::json& out, const Run& run) {
   const EnergyBalance balance = energy_balance(run);
-  const bool whole = !balance.energy.empty();
-  put(out, "energy_first", whole ? balance.energy.front() : NAN);
-  put(out, "energy_last", whole ? balance.energy.back() : NAN);
-  put(out, "work", whole ? balance.work.back() : NAN);
+  put(out, "energy_first", balance.first);
+  put(out, "energy_last", balance.last);
+  put(out, "work", balance.work);
   put(out, "energy_drift", balance.drift);
   put(out, "energy_drift_relative", balance.kinetic_peak > 0 ? balance.drift / balance.kinetic_peak : NAN);
 }

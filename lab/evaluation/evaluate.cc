@@ -27,18 +27,18 @@ Run begin_run(const Experiment& e, const rbd::Model& model) {
 
 json evaluate(const Run& run, const std::map<std::string, Bound>& expect) {
   json out;
-  out["last_step"] = run.states.empty() ? -1 : run.states.back().step;
+  const int64_t last_step = run.steps.empty() ? -1 : run.steps.back().state.step;
+  out["last_step"] = last_step;
   out["wanted_last_step"] = run.last_step;
   out["dt"] = run.dt;
   out["aborted"] = run.aborted;
   out["reason"] = run.reason;
   out["band"] = run.band;
   out["joints"] = out["reaches"] = json::array();
-  const bool complete =
-      !run.aborted && !run.states.empty() && (run.until_ended || run.states.back().step == run.last_step);
+  const bool complete = !run.aborted && last_step >= 0 && (run.until_ended || last_step == run.last_step);
   out["complete"] = complete;
 
-  if (!run.states.empty()) {
+  if (!run.steps.empty()) {
     for (const TrackedJoint& joint : joints_of(run.model)) out["joints"].push_back({{"name", joint.name}});
     add_tracking_metrics(out, run);
     add_tool_metrics(out, run);

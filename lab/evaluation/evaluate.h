@@ -5,11 +5,10 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 #include "lab/evaluation/metrics.h"
+#include "lab/evaluation/step_table.h"
 #include "lab/experiment/experiment.h"
-#include "lab/signals/signals.h"
 
 namespace lab {
 
@@ -17,11 +16,7 @@ struct Run {
   rbd::Model model;                   ///< as simulated
   double dt = 0;                      ///< s
   Eigen::VectorXd damping, friction;  ///< nv, of the simulator
-  std::vector<RobotState> states;     ///< by step, step 0 first: the true ones
-  std::vector<Reference> references;  ///< for the same steps
-  // J, one entry a state, empty = none (procs/simulator/replay.h)
-  std::vector<double> stored_energy;  ///< in addition to the model's own
-  std::vector<double> external_work;  ///< by disturbances, over the step that led to the state
+  StepTable steps;                    ///< that were logged, step 0 first
   int64_t last_step = 0;              ///< that the experiment asks for
   bool aborted = false;
   bool until_ended = false;  ///< no step was to be the last

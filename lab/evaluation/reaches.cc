@@ -22,44 +22,58 @@ double largest(const Eigen::VectorXd& x) {
 
 /// By step: the reference rests.
 std::vector<bool> resting(const Run& run) {
-  const size_t n = run.references.size();
+  const size_t n = run.steps.size();
   std::vector<bool> out(n);
   Eigen::VectorXd moved(run.model.nv);
-  const auto same = [&](size_t a, size_t b) {
-    rbd::difference(run.model, run.references[a].q, run.references[b].q, moved);
-    return largest(moved) <= kStill;
-  };
+  StepReader steps(run.steps), next_steps(run.steps);
+  bool same_as_before = false;  // the place as at the step before
   for (size_t k = 0; k < n; ++k) {
-    if (largest(run.references[k].v) > kStill) continue;
-    out[k] = k + 1 == n || same(k, k + 1) || (k > 0 && out[k - 1] && same(k - 1, k));
+    const Reference& reference = steps.at(k).reference;
+    bool same_as_next = false;
+    if (k + 1 < n) {
+      rbd::difference(run.model, reference.q, next_steps.at(k + 1).reference.q, moved);
+      same_as_next = largest(moved) <= kStill;
+    }
+    if (largest(reference.v) <= kStill)
+      out[k] = k + 1 == n || same_as_next || (k > 0 && out[k - 1] && same_as_before);
+    same_as_before = same_as_next;
   }
   return out;
 }
 
-/// `beyond`: q - target by step, from arrival to end.
-Reach::Joint joint_of_reach(const Run& run, const Reach& reach, double displacement,
-                            const std::vector<double>& beyond) {
-  Reach::Joint out;
-  out.displacement = displacement;
-  size_t inside_since = beyond.size();  // of the last stretch
-  while (inside_since > 0 && std::abs(beyond[inside_since - 1]) <= run.band) --inside_since;
-  out.settling = inside_since == beyond.size()
-                     ? NAN
-                     : static_cast<double>(run.states[reach.arrival + inside_since].step -
-                                           run.states[reach.arrival].step) *
-                           run.dt;
-  if (std::abs(displacement) > run.band) {
-    for (double b : beyond) out.overshoot = std::max(out.overshoot, displacement > 0 ? b : -b);
-    out.overshoot_share = out.overshoot / std::abs(displacement);
-  } else {
-    out.overshoot = out.overshoot_share = NAN;
+/// Follows one joint from arrival to the end of a rest.
+class JointAtRest {
+ public:
+  JointAtRest(double displacement, double band) : band_(band), moved_(std::abs(displacement) > band) {
+    out_.displacement = displacement;
+    out_.overshoot = moved_ ? 0 : NAN;
   }
-  const size_t last = std::max<size_t>(1, beyond.size() / 10);
-  double sum = 0;
-  for (size_t i = beyond.size() - last; i < beyond.size(); ++i) sum += beyond[i];
-  out.steady_error = std::abs(sum / static_cast<double>(last));
-  return out;
-}
+
+  /// `beyond`: q - target.
+  void add(int64_t step, double beyond) {
+    if (std::abs(beyond) > band_)
+      inside_since_ = -1;
+    else if (inside_since_ < 0)
+      inside_since_ = step;
+    if (moved_) out_.overshoot = std::max(out_.overshoot, out_.displacement > 0 ? beyond : -beyond);
+  }
+  /// The same of the last tenth once more.
+  void add_late(double beyond) { late_sum_ += beyond; }
+
+  Reach::Joint figures(int64_t arrival_step, double dt, size_t late_steps) {
+    out_.settling = inside_since_ < 0 ? NAN : static_cast<double>(inside_since_ - arrival_step) * dt;
+    out_.overshoot_share = out_.overshoot / std::abs(out_.displacement);
+    out_.steady_error = std::abs(late_sum_ / static_cast<double>(late_steps));
+    return out_;
+  }
+
+ private:
+  double band_;
+  bool moved_;
+  Reach::Joint out_;
+  int64_t inside_since_ = -1;  ///< step; -1 = it is outside
+  double late_sum_ = 0;
+};
 
 /// Over several reaches. NaN: some reach has no value, or there are none.
 struct ReachStats {
@@ -100,7 +114,8 @@ void put_reach_stats(json& out, const std::vector<Reach>& all, int joint) {
 }
 
 json reach_json(const Run& run, const Reach& reach, const std::vector<TrackedJoint>& joints) {
-  const auto time = [&](size_t k) { return static_cast<double>(run.states[k].step) * run.dt; };
+  StepReader steps(run.steps);
+  const auto time = [&](size_t k) { return static_cast<double>(steps.at(k).state.step) * run.dt; };
   json out;
   put_reach_stats(out, {reach}, -1);
   out.erase("reach_settling_mean");
@@ -123,30 +138,41 @@ json reach_json(const Run& run, const Reach& reach, const std::vector<TrackedJoi
 
 std::vector<Reach> reaches(const Run& run) {
   std::vector<Reach> all;
-  if (run.states.empty()) return all;
+  if (run.steps.empty()) return all;
   const std::vector<TrackedJoint> joints = joints_of(run.model);
   const std::vector<bool> rests = resting(run);
   Eigen::VectorXd displacement(run.model.nv), e(run.model.nv);
+  StepReader steps(run.steps);
   size_t from = 0;  // the last step at the place before
+  Eigen::VectorXd place = steps.at(0).reference.q;
   for (size_t k = 1; k < rests.size(); ++k) {
     if (!rests[k]) continue;
-    rbd::difference(run.model, run.references[from].q, run.references[k].q, displacement);
+    const Eigen::VectorXd target = steps.at(k).reference.q;
+    rbd::difference(run.model, place, target, displacement);
     if (largest(displacement) <= kStill) {  // still there, or back again without a rest between
       from = k;
+      place = target;
       continue;
     }
     Reach reach{.begin = from, .arrival = k, .end = k, .joints = {}};
-    std::vector<std::vector<double>> beyond(joints.size());
-    const Eigen::VectorXd& target = run.references[k].q;
+    const int64_t arrival_step = steps.at(k).state.step;
+    std::vector<JointAtRest> at_rest;
+    for (const TrackedJoint& joint : joints) at_rest.emplace_back(displacement[joint.iv], run.band);
     for (; reach.end < rests.size() && rests[reach.end]; ++reach.end) {
-      rbd::difference(run.model, target, run.references[reach.end].q, e);
+      const RunStep& step = steps.at(reach.end);
+      rbd::difference(run.model, target, step.reference.q, e);
       if (largest(e) > kStill) break;  // it jumped: the next reach
-      rbd::difference(run.model, target, run.states[reach.end].q, e);
-      for (size_t j = 0; j < joints.size(); ++j) beyond[j].push_back(e[joints[j].iv]);
+      rbd::difference(run.model, target, step.state.q, e);
+      for (size_t j = 0; j < joints.size(); ++j) at_rest[j].add(step.state.step, e[joints[j].iv]);
+    }
+    const size_t late = std::max<size_t>(1, (reach.end - k) / 10);
+    for (size_t i = reach.end - late; i < reach.end; ++i) {
+      rbd::difference(run.model, target, steps.at(i).state.q, e);
+      for (size_t j = 0; j < joints.size(); ++j) at_rest[j].add_late(e[joints[j].iv]);
     }
     from = k = --reach.end;
-    for (size_t j = 0; j < joints.size(); ++j)
-      reach.joints.push_back(joint_of_reach(run, reach, displacement[joints[j].iv], beyond[j]));
+    place = steps.at(k).reference.q;
+    for (JointAtRest& joint : at_rest) reach.joints.push_back(joint.figures(arrival_step, run.dt, late));
     all.push_back(std::move(reach));
   }
   return all;

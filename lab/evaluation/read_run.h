@@ -23,7 +23,7 @@ struct LoggedRun {
 
 /// `source`: a log, or the folder of a run. Throws std::runtime_error with one line: no such file, no RUN, ..
 /// With noise or delay the states are the true ones, recomputed from the log's commands; a log that this does not
-/// reproduce is refused. A log without END counts as aborted.
+/// reproduce is refused. A log without END counts as aborted. Memory does not grow with the log.
 LoggedRun read_run(const std::string& source);
 
 /// evaluate() of its steps, and "log": whether it is sound, has an END and checksums, and its damages as texts. "passed" is

@@ -9,7 +9,7 @@ namespace lab {
 namespace {
 
 /// run.tool, or else the last link of the model. -1 if there is none.
-int tool_frame(const Run& run) {
+int frame_of_tool(const Run& run) {
   const rbd::Model& model = run.model;
   if (!run.tool.empty()) return model.frameId(run.tool);
   for (int f = model.nframes - 1; f > 0; --f)
@@ -19,34 +19,41 @@ int tool_frame(const Run& run) {
 
 }  // namespace
 
-ToolPath tool_path(const Run& run) {
-  ToolPath out;
-  const int frame = tool_frame(run);
-  if (frame < 0) return out;
-  out.frame = run.model.frames[frame].name;
+std::string tool_frame(const Run& run) {
+  const int frame = frame_of_tool(run);
+  return frame < 0 ? "" : run.model.frames[frame].name;
+}
+
+void for_each_tool_step(const Run& run, const std::function<void(const ToolStep&)>& visit) {
+  const int frame = frame_of_tool(run);
+  if (frame < 0) return;
   rbd::Data data(run.model);
   const auto pose = [&](const Eigen::VectorXd& q) {
     rbd::forwardKinematics(run.model, data, q);
     return data.oMf[frame];
   };
-  for (size_t k = 0; k < run.states.size(); ++k) {
-    const rbd::SE3 actual = pose(run.states[k].q), reference = pose(run.references[k].q);
-    out.actual.push_back(actual.translation());
-    out.reference.push_back(reference.translation());
-    out.error.push_back((actual.translation() - reference.translation()).norm());
+  StepReader steps(run.steps);
+  for (size_t k = 0; k < run.steps.size(); ++k) {
+    const RunStep& step = steps.at(k);
+    const rbd::SE3 actual = pose(step.state.q), reference = pose(step.reference.q);
     const Eigen::Matrix3d rotation = reference.rotation().transpose() * actual.rotation();
-    out.angle.push_back(rbd::log3(rotation).norm());
+    visit({.time = static_cast<double>(step.state.step) * run.dt,
+           .actual = actual.translation(),
+           .reference = reference.translation(),
+           .error = (actual.translation() - reference.translation()).norm(),
+           .angle = rbd::log3(rotation).norm()});
   }
-  return out;
 }
 
 void add_tool_metrics(nlohmann::json& out, const Run& run) {
-  const ToolPath path = tool_path(run);
   RunningStats error, angle;
-  for (double one : path.error) error.add(one);
-  for (double one : path.angle) angle.add(one);
-  if (path.error.empty()) error.max = error.last = angle.max = NAN;  // no such frame; the means are 0 / 0
-  out["tool_frame"] = path.frame.empty() ? nlohmann::json(nullptr) : nlohmann::json(path.frame);
+  for_each_tool_step(run, [&](const ToolStep& step) {
+    error.add(step.error);
+    angle.add(step.angle);
+  });
+  if (error.count == 0) error.max = error.last = angle.max = NAN;  // no such frame; the means are 0 / 0
+  const std::string frame = tool_frame(run);
+  out["tool_frame"] = frame.empty() ? nlohmann::json(nullptr) : nlohmann::json(frame);
   put(out, "max_tool_error", error.max);
   put(out, "mean_tool_error", error.mean());
   put(out, "rms_tool_error", error.rms());

@@ -1,20 +1,26 @@
 // Poses of the tool, actual and reference: forward kinematics of q and of q_ref.
 #pragma once
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 #include "lab/evaluation/evaluate.h"
 
 namespace lab {
 
-struct ToolPath {
-  std::string frame;                               ///< empty: the robot has none
-  std::vector<Eigen::Vector3d> actual, reference;  ///< m, in the world, by step
-  std::vector<double> error, angle;                ///< m, rad: distance and angle between the two
+/// The tool at one step, world frame.
+struct ToolStep {
+  double time = 0;                    ///< s
+  Eigen::Vector3d actual, reference;  ///< m: places
+  double error = 0;                   ///< m: distance between them
+  double angle = 0;                   ///< rad: between the orientations
 };
 
-ToolPath tool_path(const Run&);
+/// Name of the frame that is judged: run.tool, or else the last link; empty if the robot has none.
+std::string tool_frame(const Run&);
+
+/// Step by step; none if the robot has no such frame.
+void for_each_tool_step(const Run&, const std::function<void(const ToolStep&)>& visit);
 
 /// Puts the metrics of the tool into `out`.
 void add_tool_metrics(nlohmann::json& out, const Run&);

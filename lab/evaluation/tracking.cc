@@ -41,9 +41,11 @@ Tracking track(const Run& run, const std::vector<TrackedJoint>& joints) {
   Tracking out;
   out.joints.resize(joints.size());
   Eigen::VectorXd e(model.nv);
-  for (size_t k = 0; k < run.states.size(); ++k) {
-    const RobotState& state = run.states[k];
-    rbd::difference(model, state.q, run.references[k].q, e);
+  StepReader steps(run.steps);
+  for (size_t k = 0; k < run.steps.size(); ++k) {
+    const RunStep& step = steps.at(k);
+    const RobotState& state = step.state;
+    rbd::difference(model, state.q, step.reference.q, e);
     double squares = 0;
     for (size_t j = 0; j < joints.size(); ++j) {
       const TrackedJoint& joint = joints[j];
@@ -68,7 +70,7 @@ Tracking track(const Run& run, const std::vector<TrackedJoint>& joints) {
     }
     out.handbook_error += std::sqrt(squares) / model.nq;
   }
-  out.handbook_error /= static_cast<double>(run.states.size());
+  out.handbook_error /= static_cast<double>(run.steps.size());
   return out;
 }
 

@@ -26,40 +26,44 @@ Ink series_ink(size_t i) {
   return kOrder[i % kSeriesInks];
 }
 
-void thin(Curve& curve, size_t buckets) {
-  const size_t n = curve.y.size();
-  if (n <= 2 * buckets) return;
-  Curve out;
-  out.x.push_back(curve.x.front());
-  out.y.push_back(curve.y.front());
-  for (size_t b = 0; b < buckets; ++b) {
-    const auto from = curve.y.begin() + static_cast<std::ptrdiff_t>(n * b / buckets),
-               to = curve.y.begin() + static_cast<std::ptrdiff_t>(n * (b + 1) / buckets);
-    auto [first, second] = std::minmax_element(from, to);
-    if (first > second) std::swap(first, second);
-    for (const auto& at : {first, second}) {
-      out.x.push_back(curve.x[static_cast<size_t>(at - curve.y.begin())]);
-      out.y.push_back(*at);
-      if (first == second) break;
-    }
-  }
-  out.x.push_back(curve.x.back());
-  out.y.push_back(curve.y.back());
-  curve.x = std::move(out.x);
-  curve.y = std::move(out.y);
+void Thinned::keep(const Point& point) {
+  x_.push_back(point.x);
+  y_.push_back(point.y);
 }
 
-void thin_evenly(Curve& curve, size_t points) {
-  const size_t n = curve.y.size();
-  if (n <= points) return;
-  Curve out;
-  for (size_t i = 0; i < points; ++i) {
-    const size_t at = i * (n - 1) / (points - 1);
-    out.x.push_back(curve.x[at]);
-    out.y.push_back(curve.y[at]);
+void Thinned::add(double x, double y) {
+  const Point point{.at = added_++, .x = x, .y = y};
+  if (n_ <= 2 * buckets_) return keep(point);
+  if (point.at == 0) keep(point);
+  if (point.at == bucket_end_) {
+    bucket_end_ = n_ * ++bucket_ / buckets_;
+    low_ = high_ = point;
   }
-  curve.x = std::move(out.x);
-  curve.y = std::move(out.y);
+  if (y < low_.y) low_ = point;
+  if (y >= high_.y) high_ = point;
+  if (added_ == bucket_end_) close_bucket();
+  if (added_ == n_) keep(point);
+}
+
+void Thinned::close_bucket() {
+  const auto& [first, second] = low_.at < high_.at ? std::pair(low_, high_) : std::pair(high_, low_);
+  keep(first);
+  if (first.at != second.at) keep(second);
+}
+
+Curve Thinned::curve(std::string label, Ink ink) const {
+  return {.label = std::move(label), .x = x_, .y = y_, .ink = ink};
+}
+
+void ThinnedEvenly::add(double x, double y) {
+  const size_t at = added_++;
+  if (n_ > points_ && at != x_.size() * (n_ - 1) / (points_ - 1)) return;
+  x_.push_back(x);
+  y_.push_back(y);
+}
+
+Curve ThinnedEvenly::curve(std::string label, Ink ink) const {
+  return {.label = std::move(label), .x = x_, .y = y_, .ink = ink};
 }
 
 std::pair<double, double> x_range(const Chart& chart) {

@@ -53,11 +53,42 @@ struct Chart {
   bool bars = false;  ///< the first curve as bars from 0: x[i] to x[i + 1], y[i] high
 };
 
-/// At most 2 * buckets + 2 points: minimum and maximum of each bucket, in their order, so that peaks survive; first and
-/// last point stay.
-void thin(Curve&, size_t buckets);
-/// At most `points`, evenly taken, first and last included: for curves in space.
-void thin_evenly(Curve&, size_t points);
+/// Makes a curve of `n` points while they come, and keeps at most 2 * buckets + 2 of them: minimum and maximum of each
+/// bucket, in their order, so that peaks survive; first and last point stay.
+class Thinned {
+ public:
+  Thinned(size_t n, size_t buckets) : n_(n), buckets_(buckets) {}
+
+  void add(double x, double y);
+  /// When all have come.
+  Curve curve(std::string label, Ink ink) const;
+
+ private:
+  struct Point {
+    size_t at = 0;
+    double x = 0, y = 0;
+  };
+  void keep(const Point&);
+  void close_bucket();
+
+  size_t n_, buckets_;
+  size_t added_ = 0, bucket_ = 0, bucket_end_ = 0;
+  Point low_, high_;  ///< of the bucket
+  std::vector<double> x_, y_;
+};
+
+/// Keeps at most `points`, evenly taken, first and last included: for curves in space.
+class ThinnedEvenly {
+ public:
+  ThinnedEvenly(size_t n, size_t points) : n_(n), points_(points) {}
+
+  void add(double x, double y);
+  Curve curve(std::string label, Ink ink) const;
+
+ private:
+  size_t n_, points_, added_ = 0;
+  std::vector<double> x_, y_;
+};
 
 /// The smallest and largest x (or y) over all curves and marks, and of what the axis must include.
 std::pair<double, double> x_range(const Chart&);

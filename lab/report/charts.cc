@@ -3,9 +3,13 @@
 #include <rbd/rbd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "lab/evaluation/units.h"
 #include "lab/page/page.h"
@@ -19,21 +23,25 @@ using page::figure;
 using plot::Chart;
 using plot::Curve;
 using plot::Ink;
+using plot::Thinned;
+using plot::ThinnedEvenly;
 
 namespace {
 
-Curve curve(const std::string& label, const std::vector<double>& x, std::vector<double> y, Ink ink,
-            size_t buckets) {
-  Curve out{.label = label, .x = x, .y = std::move(y), .ink = ink};
-  thin(out, buckets);
-  return out;
-}
-
-/// One value per step.
-template <class F>
-std::vector<double> series(const Run& run, F&& value) {
-  std::vector<double> out;
-  for (size_t k = 0; k < run.states.size(); ++k) out.push_back(value(k));
+/// `values` of the steps from `first` on, over time: one curve for each, without label and ink.
+std::vector<Curve> curves_of(const Run& run, size_t count, size_t buckets,
+                             const std::function<void(const RunStep&, std::vector<double>&)>& values,
+                             size_t first = 0) {
+  std::vector<Thinned> thinned(count, Thinned(run.steps.size() - first, buckets));
+  std::vector<double> y(count);
+  StepReader steps(run.steps);
+  for (size_t k = first; k < run.steps.size(); ++k) {
+    const RunStep& step = steps.at(k);
+    values(step, y);
+    for (size_t i = 0; i < count; ++i) thinned[i].add(time_of(step, run), y[i]);
+  }
+  std::vector<Curve> out;
+  for (const Thinned& one : thinned) out.push_back(one.curve("", Ink::Blue));
   return out;
 }
 
@@ -49,20 +57,7 @@ void show_level(Chart& chart, double level) {
 
 }  // namespace
 
-std::vector<double> times(const Run& run) {
-  return series(run, [&](size_t k) { return static_cast<double>(run.states[k].step) * run.dt; });
-}
-
-std::vector<std::vector<double>> errors(const Run& run) {
-  const std::vector<TrackedJoint> joints = joints_of(run.model);
-  std::vector<std::vector<double>> out(joints.size());
-  Eigen::VectorXd e(run.model.nv);
-  for (size_t k = 0; k < run.states.size(); ++k) {
-    rbd::difference(run.model, run.states[k].q, run.references[k].q, e);
-    for (size_t j = 0; j < joints.size(); ++j) out[j].push_back(e[joints[j].iv]);
-  }
-  return out;
-}
+double time_of(const RunStep& step, const Run& run) { return static_cast<double>(step.state.step) * run.dt; }
 
 std::string position_unit(const rbd::Model& model, int iv) { return slides(model, iv) ? "m" : "rad"; }
 
@@ -75,16 +70,21 @@ size_t buckets_for(size_t curves) { return std::clamp<size_t>(12000 / std::max<s
 
 ChartGroup tracking_charts(const Run& run) {
   ChartGroup out;
-  const std::vector<double> t = times(run);
   const std::vector<TrackedJoint> joints = joints_of(run.model);
-  const size_t buckets = buckets_for(4 * joints.size());
-  for (const TrackedJoint& joint : joints) {
+  std::vector<Curve> curves = curves_of(run, 2 * joints.size(), buckets_for(4 * joints.size()),
+                                        [&](const RunStep& step, std::vector<double>& y) {
+                                          for (size_t j = 0; j < joints.size(); ++j) {
+                                            y[2 * j] = step.reference.q[joints[j].iq];
+                                            y[2 * j + 1] = step.state.q[joints[j].iq];
+                                          }
+                                        });
+  for (size_t j = 0; j < joints.size(); ++j) {
+    const TrackedJoint& joint = joints[j];
     Chart chart{.title = joint.name + ": reference and actual position over time"};
-    chart.curves = {
-        curve("reference", t, series(run, [&](size_t k) { return run.references[k].q[joint.iq]; }),
-              Ink::Orange, buckets),
-        curve("actual", t, series(run, [&](size_t k) { return run.states[k].q[joint.iq]; }), Ink::Blue,
-              buckets)};
+    chart.curves = {std::move(curves[2 * j]), std::move(curves[2 * j + 1])};
+    chart.curves[0].label = "reference";
+    chart.curves[0].ink = Ink::Orange;
+    chart.curves[1].label = "actual";
     chart.curves[0].width = 4;
     show_level(chart, run.model.lowerPositionLimit[joint.iq]);
     show_level(chart, run.model.upperPositionLimit[joint.iq]);
@@ -98,17 +98,20 @@ ChartGroup tracking_charts(const Run& run) {
 ChartGroup error_charts(const Run& run) {
   ChartGroup out;
   out.columns = 1;
-  const std::vector<double> t = times(run);
   const std::vector<TrackedJoint> joints = joints_of(run.model);
-  const std::vector<std::vector<double>> e = errors(run);
+  Eigen::VectorXd e(run.model.nv);
+  std::vector<double> size(joints.size());
+  std::vector<Curve> curves = curves_of(run, joints.size(), buckets_for(4 * joints.size()),
+                                        [&](const RunStep& step, std::vector<double>& y) {
+                                          rbd::difference(run.model, step.state.q, step.reference.q, e);
+                                          for (size_t j = 0; j < joints.size(); ++j) {
+                                            y[j] = e[joints[j].iv];
+                                            size[j] = std::max(size[j], std::abs(y[j]));
+                                          }
+                                        });
   // of many joints only the worst have inks of their own: those with an error of at least `least`
   constexpr size_t kOwnInks = plot::kSeriesInks;
   const bool many = joints.size() > kOwnInks;
-  std::vector<double> size;
-  for (const auto& one : e) {
-    const auto [low, high] = std::minmax_element(one.begin(), one.end());
-    size.push_back(std::max(std::abs(*low), std::abs(*high)));
-  }
   std::vector<double> ordered = size;
   std::sort(ordered.rbegin(), ordered.rend());
   const double least = many ? ordered[kOwnInks - 1] : 0;
@@ -119,7 +122,9 @@ ChartGroup error_charts(const Run& run) {
       const bool has_ink = size[j] >= least && inks < kOwnInks;
       inks += has_ink;
       if (position_unit(run.model, joints[j].iv) != unit) continue;
-      Curve one = curve(joints[j].name, t, e[j], Ink::Grey, buckets_for(4 * joints.size()));
+      Curve one = std::move(curves[j]);
+      one.label = joints[j].name;
+      one.ink = Ink::Grey;
       if (has_ink) {
         ink(one, inks - 1);
         out.legend.push_back({.label = one.label, .ink = one.ink});
@@ -140,15 +145,21 @@ ChartGroup error_charts(const Run& run) {
 
 ChartGroup effort_charts(const Run& run) {
   ChartGroup out;
-  const std::vector<double> t = times(run);
   const std::vector<TrackedJoint> joints = joints_of(run.model);
-  for (const TrackedJoint& joint : joints) {
+  // tau of a step is what led to it; none leads to step 0
+  const size_t first = run.steps.size() > 1 ? 1 : 0;
+  std::vector<Curve> curves = curves_of(
+      run, joints.size(), buckets_for(4 * joints.size()),
+      [&](const RunStep& step, std::vector<double>& y) {
+        for (size_t j = 0; j < joints.size(); ++j) y[j] = step.state.tau[joints[j].iv];
+      },
+      first);
+  for (size_t j = 0; j < joints.size(); ++j) {
+    const TrackedJoint& joint = joints[j];
     Chart chart{.title = joint.name + ": effort over time"};
-    // tau of a step is what led to it; none leads to step 0
-    std::vector<double> x(t.begin() + (t.size() > 1), t.end()), tau;
-    for (size_t k = t.size() > 1; k < t.size(); ++k) tau.push_back(run.states[k].tau[joint.iv]);
-    chart.curves = {curve("effort", x, std::move(tau), Ink::Blue, buckets_for(4 * joints.size()))};
-    chart.must_include_x = {t.front()};
+    chart.curves = {std::move(curves[j])};
+    chart.curves[0].label = "effort";
+    chart.must_include_x = {time_of(run.steps[0], run)};
     const double lower = run.model.lowerEffortLimit[joint.iv], upper = run.model.upperEffortLimit[joint.iv];
     show_level(chart, lower);
     show_level(chart, upper);
@@ -164,20 +175,21 @@ ChartGroup effort_charts(const Run& run) {
 
 ChartGroup energy_charts(const Run& run) {
   ChartGroup out;
-  const EnergyBalance energy = energy_balance(run);
-  if (energy.energy.empty()) return out;
-  const std::vector<double> t = times(run);
-  std::vector<double> gained, drift;
-  for (size_t k = 0; k < t.size(); ++k) {
-    gained.push_back(energy.energy[k] - energy.energy[0]);
-    drift.push_back(gained[k] - energy.work[k]);
-  }
+  constexpr size_t kBuckets = 250;
+  Thinned gained(run.steps.size(), kBuckets), worked = gained, drifted = gained;
+  std::optional<double> first;
+  energy_balance(run, [&](double time, double energy, double work) {
+    if (!first) first = energy;
+    gained.add(time, energy - *first);
+    worked.add(time, work);
+    drifted.add(time, energy - *first - work);
+  });
+  if (!first) return out;
   Chart both{.title = "energy gained and work done over time", .width = 530, .height = 210};
   Chart rest{.title = "energy gained less work done over time", .width = 530, .height = 210};
-  both.curves = {curve("energy gained", t, gained, Ink::Orange, 250),
-                 curve("work done", t, energy.work, Ink::Blue, 250)};
+  both.curves = {gained.curve("energy gained", Ink::Orange), worked.curve("work done", Ink::Blue)};
   both.curves[0].width = 4;
-  rest.curves = {curve("drift", t, drift, Ink::Red, 250)};
+  rest.curves = {drifted.curve("drift", Ink::Red)};
   out.panels = {{"Energy gained, and work done", "J", std::move(both)},
                 {"Difference of the two: drift", "J", std::move(rest)}};
   out.legend = {{.label = "energy gained", .ink = Ink::Orange, .width = 4},
@@ -189,36 +201,36 @@ ChartGroup energy_charts(const Run& run) {
 
 ChartGroup tool_charts(const Run& run) {
   ChartGroup out;
-  const ToolPath path = tool_path(run);
-  if (path.frame.empty()) return out;
-  const std::vector<double> t = times(run);
-  const auto projection = [&](const std::string& caption, int right, int up) {
-    Chart chart{.title = "path of " + path.frame + ", " + caption, .width = 530, .height = 330};
-    chart.x_label = std::string(1, static_cast<char>('x' + right)) + " (m)";
-    chart.equal = true;
-    for (const auto* points : {&path.reference, &path.actual}) {
-      Curve one{.label = "", .ink = points == &path.actual ? Ink::Blue : Ink::Orange};
-      if (points == &path.reference) one.width = 4;
-      for (const Eigen::Vector3d& p : *points) {
-        one.x.push_back(p[right]);
-        one.y.push_back(p[up]);
-      }
-      thin_evenly(one, 500);
-      chart.curves.push_back(std::move(one));
+  const std::string frame = tool_frame(run);
+  if (frame.empty()) return out;
+  const size_t n = run.steps.size();
+  constexpr size_t kBuckets = 250, kPoints = 500;
+  Thinned errors(n, kBuckets), angles(n, kBuckets);
+  std::array<ThinnedEvenly, 2> wanted{ThinnedEvenly(n, kPoints), ThinnedEvenly(n, kPoints)}, actual = wanted;
+  for_each_tool_step(run, [&](const ToolStep& step) {
+    errors.add(step.time, step.error);
+    angles.add(step.time, step.angle);
+    for (int up : {1, 2}) {
+      wanted[static_cast<size_t>(up - 1)].add(step.reference[0], step.reference[up]);
+      actual[static_cast<size_t>(up - 1)].add(step.actual[0], step.actual[up]);
     }
+  });
+  const auto projection = [&](const std::string& caption, int up) {
+    Chart chart{.title = "path of " + frame + ", " + caption, .width = 530, .height = 330};
+    chart.x_label = "x (m)";
+    chart.equal = true;
+    chart.curves = {wanted[static_cast<size_t>(up - 1)].curve("", Ink::Orange),
+                    actual[static_cast<size_t>(up - 1)].curve("", Ink::Blue)};
+    chart.curves[0].width = 4;
     out.panels.push_back(
-        {caption,
-         std::string(1, static_cast<char>('x' + up)) + " in m over " + static_cast<char>('x' + right),
-         std::move(chart)});
+        {caption, std::string(1, static_cast<char>('x' + up)) + " in m over x", std::move(chart)});
   };
-  projection("From above", 0, 1);
-  projection("From the side", 0, 2);
-  Chart error{
-      .title = "distance of " + path.frame + " from its reference over time", .width = 530, .height = 210};
-  Chart angle{
-      .title = "angle of " + path.frame + " from its reference over time", .width = 530, .height = 210};
-  error.curves = {curve("distance", t, path.error, Ink::Blue, 250)};
-  angle.curves = {curve("angle", t, path.angle, Ink::Blue, 250)};
+  projection("From above", 1);
+  projection("From the side", 2);
+  Chart error{.title = "distance of " + frame + " from its reference over time", .width = 530, .height = 210};
+  Chart angle{.title = "angle of " + frame + " from its reference over time", .width = 530, .height = 210};
+  error.curves = {errors.curve("distance", Ink::Blue)};
+  angle.curves = {angles.curve("angle", Ink::Blue)};
   out.panels.push_back({"Distance from the reference", "m", std::move(error)});
   out.panels.push_back({"Angle from the reference", "rad", std::move(angle)});
   out.legend = {{.label = "reference", .ink = Ink::Orange, .width = 4}, {.label = "actual"}};

@@ -38,17 +38,15 @@ nlohmann::json drawn(const ChartGroup&);
 /// The room's templates.
 const page::Texts& embedded();
 
-/// t_k of every logged step, s.
-std::vector<double> times(const Run&);
-/// By joint of joints_of(model), by step: difference(q, q_ref).
-std::vector<std::vector<double>> errors(const Run&);
+/// s: t_k.
+double time_of(const RunStep&, const Run&);
 /// "rad" or "m": of the position and error of a joint by its place in v.
 std::string position_unit(const rbd::Model&, int iv);
 
 /// Gives the i-th of several curves an ink of its own; from the eighth on they are dashed. None is grey, the colour of all
 /// that has no name.
 void ink(plot::Curve&, size_t i);
-/// Buckets for thin(), such that a page of so many curves stays small.
+/// Buckets for plot::Thinned, such that a page of so many curves stays small.
 size_t buckets_for(size_t curves);
 
 /// us: quantile of the loop times, share in 0..1, rounded up to the end of its bin.

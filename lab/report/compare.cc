@@ -175,7 +175,7 @@ Comparison compare(const std::vector<Folder>& runs) {
   out.names = names_of(runs);
   for (size_t i = 0; i < runs.size(); ++i) {
     const std::optional<LoggedRun>& logged = runs[i].logged;
-    if (!logged || logged->run.states.empty())
+    if (!logged || logged->run.steps.empty())
       throw std::runtime_error(out.names[i] + ": has nothing to compare (" +
                                (logged ? "no whole step in its log" : runs[i].no_log) + ")");
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "lab/page/page.h"
@@ -26,40 +27,55 @@ std::vector<Curve> legend_of(const Comparison& all) {
   return legend;
 }
 
-/// One curve per run; `value(run)` is by step.
-template <class F>
+/// Gives every point (time, value) of a run's curve to `add`.
+using Points = std::function<void(const Run&, const std::function<void(double, double)>& add)>;
+
+/// One curve per run.
 Chart overlaid(const Comparison& all, const std::vector<Folder>& runs, const std::string& title,
-               size_t charts, F&& value) {
+               size_t charts, const Points& points) {
   Chart chart{.title = title};
   for (size_t i = 0; i < runs.size(); ++i) {
     const Run& run = runs[i].log().run;
-    Curve curve{.label = all.names[i], .x = times(run), .y = value(run)};
+    plot::Thinned thinned(run.steps.size(), buckets_for(2 * charts * runs.size()));
+    points(run, [&](double time, double value) { thinned.add(time, value); });
+    Curve curve = thinned.curve(all.names[i], plot::Ink::Blue);
     if (curve.y.empty()) continue;
-    thin(curve, buckets_for(2 * charts * runs.size()));
     ink(curve, i);
     chart.curves.push_back(std::move(curve));
   }
   return chart;
 }
 
-/// By step: root of the sum of the squared errors of these joints.
-std::vector<double> norm(const Run& run, const std::vector<std::string>& names) {
-  const std::vector<TrackedJoint> joints = joints_of(run.model);
-  const std::vector<std::vector<double>> e = errors(run);
-  std::vector<double> out(run.states.size());
-  for (size_t k = 0; k < out.size(); ++k) {
-    for (size_t j = 0; j < joints.size(); ++j)
-      if (std::find(names.begin(), names.end(), joints[j].name) != names.end()) out[k] += e[j][k] * e[j][k];
-    out[k] = std::sqrt(out[k]);
-  }
-  return out;
+/// Of each step what `value` makes of the errors of these joints; nothing if the run has none of them.
+Points of_errors(const std::vector<std::string>& names, double (*value)(const std::vector<double>&)) {
+  return [names, value](const Run& run, const std::function<void(double, double)>& add) {
+    std::vector<int> places;
+    for (const TrackedJoint& joint : joints_of(run.model))
+      if (std::find(names.begin(), names.end(), joint.name) != names.end()) places.push_back(joint.iv);
+    if (places.empty()) return;
+    Eigen::VectorXd e(run.model.nv);
+    std::vector<double> errors(places.size());
+    StepReader steps(run.steps);
+    for (size_t k = 0; k < run.steps.size(); ++k) {
+      const RunStep& step = steps.at(k);
+      rbd::difference(run.model, step.state.q, step.reference.q, e);
+      for (size_t j = 0; j < places.size(); ++j) errors[j] = e[places[j]];
+      add(time_of(step, run), value(errors));
+    }
+  };
 }
 
-std::vector<double> error_of(const Run& run, const std::string& name) {
-  const std::vector<TrackedJoint> joints = joints_of(run.model);
-  for (size_t j = 0; j < joints.size(); ++j)
-    if (joints[j].name == name) return errors(run)[j];
-  return {};
+/// Root of the sum of the squares.
+double norm(const std::vector<double>& errors) {
+  double squares = 0;
+  for (double e : errors) squares += e * e;
+  return std::sqrt(squares);
+}
+
+Points of_tool(double ToolStep::* value) {
+  return [value](const Run& run, const std::function<void(double, double)>& add) {
+    for_each_tool_step(run, [&](const ToolStep& step) { add(step.time, step.*value); });
+  };
 }
 
 ChartGroup overview(const Comparison& all, const std::vector<Folder>& runs) {
@@ -72,8 +88,7 @@ ChartGroup overview(const Comparison& all, const std::vector<Folder>& runs) {
     for (const std::string& name : all.joints)
       if (unit_of("max_error." + name, model) == unit) names.push_back(name);
     if (names.empty()) continue;
-    Chart chart = overlaid(all, runs, "size of the error over time", 2,
-                           [&](const Run& run) { return norm(run, names); });
+    Chart chart = overlaid(all, runs, "size of the error over time", 2, of_errors(names, norm));
     chart.width = 1080;
     chart.height = 290;
     chart.logarithmic_y = true;
@@ -87,10 +102,8 @@ ChartGroup tools(const Comparison& all, const std::vector<Folder>& runs) {
   ChartGroup out;
   out.legend = legend_of(all);
   out.columns = 2;
-  Chart error =
-      overlaid(all, runs, "tool error over time", 2, [](const Run& run) { return tool_path(run).error; });
-  Chart angle =
-      overlaid(all, runs, "tool angle over time", 2, [](const Run& run) { return tool_path(run).angle; });
+  Chart error = overlaid(all, runs, "tool error over time", 2, of_tool(&ToolStep::error));
+  Chart angle = overlaid(all, runs, "tool angle over time", 2, of_tool(&ToolStep::angle));
   for (auto& [chart, caption, unit] : {std::tuple(&error, "Tool: distance from the reference", "m"),
                                        {&angle, "Tool: angle from the reference", "rad"}}) {
     if (chart->curves.empty()) continue;
@@ -106,7 +119,7 @@ ChartGroup joints(const Comparison& all, const std::vector<Folder>& runs) {
   out.legend = legend_of(all);
   for (const std::string& name : all.joints) {
     Chart chart = overlaid(all, runs, name + ": error over time", all.joints.size(),
-                           [&](const Run& run) { return error_of(run, name); });
+                           of_errors({name}, [](const std::vector<double>& errors) { return errors[0]; }));
     out.panels.push_back({name, unit_of("max_error." + name, runs[0].log().run.model), std::move(chart)});
   }
   return out;

@@ -32,27 +32,36 @@ std::string bytes_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// As many as a few lines need, of a file of any size.
+std::string last_bytes(const fs::path& path) {
+  constexpr std::streamoff kBytes = 64 << 10;
+  std::ifstream in(path, std::ios::binary | std::ios::ate);
+  in.seekg(std::max<std::streamoff>(0, static_cast<std::streamoff>(in.tellg()) - kBytes));
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 std::string numbers(const std::vector<double>& values) {
   std::string text;
   for (double value : values) text += (text.empty() ? "" : ", ") + number(value);
   return text;
 }
 
-std::vector<Note> read_notes(const std::string& log, double dt) {
-  std::vector<Note> notes;
+void read_notes(const std::string& log, double dt, Folder& out) {
   read_checked(log, [&](Channel channel, std::span<const uint8_t> data) {
+    if (channel != Channel::Event && channel != Channel::Input) return;
+    if (++out.note_count > kMaxNotes) return;
     if (channel == Channel::Event) {
       const auto event = decode<event_t>(data);
-      notes.push_back(
+      out.notes.push_back(
           {static_cast<double>(event.step) * dt, event.process, event.what, event.who, event.why});
-    } else if (channel == Channel::Input) {
+    } else {
       const auto input = decode<input_t>(data);
       const action_t& action = input.action;
       std::string why = action.key + (action.key.empty() ? "" : " ") + action.text + numbers(action.values);
-      notes.push_back({static_cast<double>(input.step) * dt, input.sender, action.verb, action.target, why});
+      out.notes.push_back(
+          {static_cast<double>(input.step) * dt, input.sender, action.verb, action.target, why});
     }
   });
-  return notes;
 }
 
 std::vector<Loops> read_loops(const std::string& telemetry) {
@@ -132,7 +141,7 @@ std::vector<std::pair<std::string, std::string>> read_last_lines(const fs::path&
   if (!manifest.is_object() || !manifest.contains("exit_codes")) return all;
   for (const auto& [name, code] : manifest["exit_codes"].items()) {
     if (code == 0 || name == "run") continue;
-    std::string text = tail(bytes_of(dir / "processes" / (name + ".log")));
+    std::string text = tail(last_bytes(dir / "processes" / (name + ".log")));
     all.emplace_back(name + " (exit " + json_text(code) + ")", text.empty() ? "(no output)" : text);
   }
   return all;
@@ -160,7 +169,7 @@ Folder read_folder(const std::string& dir) {
     if (fs::file_size(log) == 0) throw std::runtime_error(fs::path(log).filename().string() + " is empty");
     out.logged = read_run(log);
     out.metrics = evaluate_logged(*out.logged);
-    out.notes = read_notes(log, out.logged->run.dt);
+    read_notes(log, out.logged->run.dt, out);
   } catch (const std::exception& error) {
     out.no_log = error.what();
     if (out.no_log.starts_with(log + ": "))

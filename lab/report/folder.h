@@ -17,6 +17,8 @@ struct Note {
   std::string who, what, about, why;
 };
 
+inline constexpr size_t kMaxNotes = 60;
+
 /// How long a process took for a loop: a wake-up and all that followed from it. By the wall clock, from telemetry.lcm.
 struct Loops {
   std::string process;
@@ -31,7 +33,8 @@ struct Folder {
   std::string no_log;                    ///< why not, in one line
   std::optional<Experiment> experiment;  ///< every key: experiment.yaml, or what the log has of it
   nlohmann::json metrics;                ///< evaluate() of the log; null without one
-  std::vector<Note> notes;               ///< in the order of the log
+  std::vector<Note> notes;               ///< in the order of the log, the first kMaxNotes
+  size_t note_count = 0;                 ///< all of them
   std::vector<Loops> loops;              ///< by name
   nlohmann::json manifest;               ///< null if there is none
   std::string experiment_text;           ///< experiment.yaml; empty if there is none

@@ -17,16 +17,14 @@ namespace {
 using nlohmann::json;
 using page::figure;
 
-json note_rows(const std::vector<Note>& notes, size_t most) {
+json note_rows(const std::vector<Note>& notes) {
   json rows = json::array();
-  for (size_t i = 0; i < std::min(notes.size(), most); ++i) {
-    const Note& note = notes[i];
+  for (const Note& note : notes)
     rows.push_back({{"time", figure(note.time, 6)},
                     {"by", note.who},
                     {"what", note.what},
                     {"about", note.about},
                     {"why", note.why}});
-  }
   return rows;
 }
 
@@ -83,7 +81,7 @@ json version_rows(const json& manifest) {
 
 /// What the page says of the motion; null if the log has no whole step.
 json motion_values(const Folder& folder) {
-  if (!folder.logged || folder.logged->run.states.empty()) return nullptr;
+  if (!folder.logged || folder.logged->run.steps.empty()) return nullptr;
   const Run& run = folder.logged->run;
   const json& m = folder.metrics;
   return {{"key_figures", key_figures(m, run.model)},
@@ -106,7 +104,7 @@ json motion_values(const Folder& folder) {
 /// Why there is no motion on the page; null if there is.
 json no_motion(const Folder& folder) {
   if (!folder.logged) return folder.no_log;
-  if (folder.logged->run.states.empty()) return "the log has no whole step";
+  if (folder.logged->run.steps.empty()) return "the log has no whole step";
   return nullptr;
 }
 
@@ -121,7 +119,7 @@ json damage(const Folder& folder) {
   if (!folder.logged || folder.logged->log.sound()) return nullptr;
   std::string places;
   for (const std::string& line : lines_of(folder.logged->log, 20)) places += line + "\n";
-  return json{{"places", places}, {"has_steps", !folder.logged->run.states.empty()}};
+  return json{{"places", places}, {"has_steps", !folder.logged->run.steps.empty()}};
 }
 
 }  // namespace
@@ -163,7 +161,6 @@ std::string about(const Folder& folder) {
 }
 
 std::string run_page(const Folder& folder) {
-  constexpr size_t kMaxNotes = 60;  // in the table of events
   const std::string name = folder.experiment ? folder.experiment->name : folder.name;
   const json& m = folder.metrics;
   json pictures = json::array();
@@ -183,7 +180,7 @@ std::string run_page(const Folder& folder) {
               {"other_pictures", folder.other_pictures},
               {"has_log", folder.logged.has_value()},
               {"has_notes", !folder.notes.empty()},
-              {"notes", note_rows(folder.notes, kMaxNotes)},
+              {"notes", note_rows(folder.notes)},
               {"more_notes", nullptr},
               {"loops", nullptr},
               {"has_versions", folder.manifest.is_object()},
@@ -194,7 +191,8 @@ std::string run_page(const Folder& folder) {
   else if (!values["motion"].is_null() && !m["complete"].get<bool>())
     values["incomplete"] = {
         {"last_step", m["last_step"]}, {"wanted_last_step", m["wanted_last_step"]}, {"reason", m["reason"]}};
-  if (folder.notes.size() > kMaxNotes) values["more_notes"] = std::to_string(folder.notes.size() - kMaxNotes);
+  if (folder.note_count > folder.notes.size())
+    values["more_notes"] = std::to_string(folder.note_count - folder.notes.size());
   if (!folder.loops.empty())
     values["loops"] = {{"charts", drawn(loop_charts(folder.loops))}, {"processes", loop_rows(folder.loops)}};
   return page::document(name, page::fill(embedded(), "run.html", values));

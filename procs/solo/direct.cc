@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <deque>
 
 #include "procs/controller/controller.h"
 #include "procs/planner/planner.h"
@@ -29,20 +30,35 @@ std::string fault_of(const Command& command) {
   return "";
 }
 
-/// Only the steps that the logger would have written.
-void thin_out(Run& run, int64_t every) {
-  size_t kept = 0;
-  for (size_t k = 0; k < run.states.size(); ++k) {
-    if (run.states[k].step % every != 0 && k + 1 != run.states.size()) continue;
-    if (kept != k) {
-      run.states[kept] = std::move(run.states[k]);
-      run.references[kept] = std::move(run.references[k]);
-    }
-    ++kept;
+/// Keeps the steps that the logger would have written.
+class StepsAsLogged {
+ public:
+  StepsAsLogged(const simulator::Config& plant, int64_t every, StepTable& out)
+      : energy_(plant), every_(every), out_(out) {}
+
+  void take(const RobotState& state, const Reference& reference) {
+    if (every_ == 1) return keep({.state = state, .reference = reference});
+    if (last_ && last_->state.step % every_ == 0) keep(std::move(*last_));
+    last_ = {.state = state, .reference = reference};
   }
-  run.states.resize(kept);
-  run.references.resize(kept);
-}
+  /// The last step is always logged.
+  void end() {
+    if (last_) keep(std::move(*last_));
+  }
+
+ private:
+  void keep(RunStep step) {
+    const auto energy = energy_.next(step.state, {});
+    step.stored_energy = energy.stored;
+    step.external_work = energy.work;
+    out_.push_back(step);
+  }
+
+  simulator::ExternalEnergy energy_;
+  int64_t every_;
+  StepTable& out_;
+  std::optional<RunStep> last_;
+};
 
 }  // namespace
 
@@ -57,11 +73,11 @@ std::optional<Run> run_direct(const Experiment& e, const rbd::Model& model,
 
   Run run = begin_run(e, model);
   const int64_t lead = e.planner.lead, every = e.controller.every;
-  run.states.reserve(static_cast<size_t>(std::min<int64_t>(run.last_step + 1, 1 << 20)));
-  run.references.reserve(run.states.capacity());
+  StepsAsLogged steps(plant, e.logger.every, run.steps);
+  std::deque<Reference> ahead;  // from this step on
   const auto refer = [&](int64_t step, const RobotState* state) {
     if (step <= run.last_step)
-      run.references.push_back(planner::step(plan, plan_state, {.step = step, .state = state}).reference);
+      ahead.push_back(planner::step(plan, plan_state, {.step = step, .state = state}).reference);
   };
   const auto give_up = [&](std::string reason) {
     run.aborted = true;
@@ -70,35 +86,30 @@ std::optional<Run> run_direct(const Experiment& e, const rbd::Model& model,
 
   // the first references go out before there is a state
   for (int64_t step = 0; step < lead; ++step) refer(step, nullptr);
-  run.states.push_back(plant_state.robot);
   RobotState seen = received(simulator::sensed(plant, plant_state), run.dt);
   Command command;
   for (int64_t k = 0; !run.aborted; ++k) {
     if (k % kCheckEvery == 0 && keep_going && !keep_going()) return std::nullopt;
     refer(k + lead, &seen);
+    const Reference reference = std::move(ahead.front());
+    ahead.pop_front();
+    steps.take(plant_state.robot, reference);
     const bool due = k % every == 0;
     if (due) {
-      command = controller::step(control, control_state,
-                                 {.state = seen, .reference = run.references[static_cast<size_t>(k)]})
-                    .command;
+      command = controller::step(control, control_state, {.state = seen, .reference = reference}).command;
       command.state_step = k;
       if (std::string fault = fault_of(command); !fault.empty()) give_up(std::move(fault));
     }
     if (k == run.last_step || run.aborted) break;
     simulator::Output next = simulator::step(plant, plant_state, {.command = due ? &command : nullptr});
     if (!next.abort) {
-      run.states.push_back(plant_state.robot);
       seen = received(std::move(next.state), run.dt);
     } else {
       const Event& event = next.events.back();
       give_up(fmt::format("step {}: {}: {}: {}", k + 1, event.what, event.who, event.why));
     }
   }
-  run.references.resize(run.states.size());  // an aborted run has some that no state followed
-  thin_out(run, e.logger.every);
-  simulator::ExternalEnergy external = simulator::external_energy(plant, run.states, {});
-  run.stored_energy = std::move(external.stored);
-  run.external_work = std::move(external.work);
+  steps.end();
   return run;
 }
 

@@ -243,3 +243,19 @@ def test_compare_other_robots(runs, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "The robots differ" in done.stdout and "max_tool_error" in done.stdout and "\nmax_error " not in done.stdout
     assert "The robots differ" in checked(tmp_path / "x.html").text
+
+
+def test_memory_does_not_grow_with_the_log(tmp_path):
+    """190 MB for 200,000 steps, if each of them were kept; the program itself, and 32 MB of steps, are 46 MB. A full disk is said."""
+    run = tmp_path / "long"
+    done = call("run", "sinusoid_ct", "--solo", "--no-report", "-o", run, "--set", "simulator.dt=0.001",
+                "--set", "simulator.duration=200", "--set", "expect={}")
+    assert done.returncode == 0, done.stderr
+    program = lab.BUILD / "bin" / "lab-experiment"
+    for words in (["evaluate", run], ["report", run], ["compare", run, run]):
+        child = subprocess.Popen([program, *words], stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(child.pid, 0)
+        assert status == 0 and usage.ru_maxrss < 80 << 10, (words, status, usage.ru_maxrss)
+    done = subprocess.run([program, "evaluate", run], env={**os.environ, "TMPDIR": "/dev/full"}, capture_output=True, text=True)
+    assert done.returncode == 3 and done.stderr.count("\n") == 1, done.stderr
+    assert "for the steps of a long run" in done.stderr and "TMPDIR" in done.stderr

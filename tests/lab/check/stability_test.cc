@@ -72,7 +72,7 @@ TEST_P(Stability, TheLimitIsWhereItExplodes) {
   for (const double factor : {0.97, 1.03}) {
     const Experiment e = experiment(GetParam(), factor * outside);
     const lab::Run run = *solo::run_direct(e, load_robot(e).model);
-    const double last = run.aborted ? INFINITY : run.states.back().v.cwiseAbs().maxCoeff();
+    const double last = run.aborted ? INFINITY : run.steps.back().state.v.cwiseAbs().maxCoeff();
     if (factor < 1)
       EXPECT_LT(last, 1e-6) << "gain " << factor * outside;
     else

@@ -1,6 +1,9 @@
 #pragma once
 #include <rbd/rbd.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "lab/evaluation/evaluate.h"
@@ -29,10 +32,28 @@ inline Run by_hand(const std::vector<double>& first, const std::vector<double>& 
     s.step = static_cast<int64_t>(k);
     s.q = s.v = s.tau = Eigen::VectorXd::Zero(2);
     Reference r{.step = s.step, .q = Eigen::Vector2d(first[k], second[k]), .v = s.v, .a = s.v};
-    run.states.push_back(s);
-    run.references.push_back(r);
+    run.steps.push_back({.state = s, .reference = r});
   }
   return run;
+}
+
+/// Changes the steps of a run, and keeps the first `count` of them.
+inline void edit(Run& run, const std::function<void(size_t, RunStep&)>& change, size_t count = SIZE_MAX) {
+  StepTable changed;
+  for (size_t k = 0; k < std::min(count, run.steps.size()); ++k) {
+    RunStep step = run.steps[k];
+    change(k, step);
+    changed.push_back(step);
+  }
+  run.steps = std::move(changed);
+}
+inline void edit(Run& run, size_t k, const std::function<void(RunStep&)>& change) {
+  edit(run, [&](size_t i, RunStep& step) {
+    if (i == k) change(step);
+  });
+}
+inline void keep_first(Run& run, size_t count) {
+  edit(run, [](size_t, RunStep&) {}, count);
 }
 
 }  // namespace lab::test

@@ -290,9 +290,9 @@ TEST_F(DamagedLog, TheStepsThatAreWholeAreUsedAndOnlyThey) {
   damaged[place.offset + place.size - 50] ^= 1;
   store(file(), damaged);
   const LoggedRun run = read_run(file());
-  ASSERT_EQ(run.run.states.size(), 50u) << "51 but one";
-  EXPECT_EQ(run.run.states[19].step, 19);
-  EXPECT_EQ(run.run.states[20].step, 21);
+  ASSERT_EQ(run.run.steps.size(), 50u) << "51 but one";
+  EXPECT_EQ(run.run.steps[19].state.step, 19);
+  EXPECT_EQ(run.run.steps[20].state.step, 21);
   ASSERT_EQ(run.log.damages.size(), 1u);
   EXPECT_EQ(text_of(run.log.damages[0]),
             "offset " + std::to_string(place.offset) +
@@ -307,12 +307,12 @@ TEST_F(DamagedLog, ALogOfAnEarlierVersionHasNoChecksumsAndStaysReadable) {
   EXPECT_TRUE(run.log.complete()) << text_of(run.log.damages[0]);
   EXPECT_FALSE(run.log.checksums);
   EXPECT_FALSE(run.run.aborted);
-  EXPECT_EQ(run.run.states.size(), 21u);
+  EXPECT_EQ(run.run.steps.size(), 21u);
   const Bytes today = solo_log(dir_ + "/a", {"simulator.duration=0.2"});
   store(file(), today);
   const LoggedRun again = read_run(file());
   EXPECT_TRUE(again.log.checksums);
-  EXPECT_EQ(again.run.states.size(), run.run.states.size());
+  EXPECT_EQ(again.run.steps.size(), run.run.steps.size());
   // its steps have digests all the same
   const Log log = log_of(load(old), {});
   Bytes damaged = log.bytes;
@@ -331,7 +331,7 @@ TEST_F(DamagedLog, TwoRunsInOneFileAreNeverMixed) {
   const LoggedRun run = read_run(file());
   store(file(), first);
   EXPECT_EQ(run.id, read_run(file()).id);
-  EXPECT_LT(run.run.states.size(), 30u);
+  EXPECT_LT(run.run.steps.size(), 30u);
   EXPECT_FALSE(run.log.sound());
   EXPECT_TRUE(run.run.aborted) << "END is the other run's";
 }

@@ -23,7 +23,7 @@ using test::by_hand;
 
 TEST(Evaluate, FiguresOfASeriesByHand) {
   lab::Run run = by_hand({0.3, -0.4, 0, 0.005}, {0, 0.3, 0, -0.002});
-  run.states[2].tau = Eigen::Vector2d(3, -4);
+  test::edit(run, 2, [](RunStep& step) { step.state.tau = Eigen::Vector2d(3, -4); });
   run.model.upperEffortLimit << 6, 7;
   run.model.lowerEffortLimit << -6, -5;
   const json out = evaluate(run, {});
@@ -84,7 +84,7 @@ TEST(Evaluate, AShortOrEmptyRunDoesNotPass) {
   run.last_step = 2;
   run.aborted = true;
   EXPECT_FALSE(evaluate(run, {})["passed"]);
-  run.states.clear(), run.references.clear();
+  run.steps = {};
   const json out = evaluate(run, {{"max_error", {.min = {}, .max = 1}}});
   EXPECT_FALSE(out["passed"]);
   EXPECT_EQ(out["verdicts"][0]["ok"], false);
@@ -97,7 +97,7 @@ TEST(Evaluate, NoMetricIsEverNotANumber) {
   EXPECT_TRUE(evaluate(run, {})["handbook_error"].is_null());
   EXPECT_FALSE(evaluate(run, {{"rms_error", {.min = 0, .max = {}}}})["passed"]);
   run = by_hand({0, 0}, {0, 0});
-  run.states[1].step = 2;  // thinned: work between cannot be known
+  test::edit(run, 1, [](RunStep& step) { step.state.step = 2; });  // thinned: work between cannot be known
   EXPECT_TRUE(evaluate(run, {})["energy_drift"].is_null());
 }
 
@@ -143,10 +143,8 @@ TEST(Evaluate, EnergyBalancesUnderDisturbances) {
   const auto drift = [&](double dt, bool with_account) {
     e.simulator.dt = dt;
     lab::Run run = *solo::run_direct(e, model);
-    if (!with_account) {
-      run.stored_energy.clear();
-      run.external_work.clear();
-    }
+    if (!with_account)
+      test::edit(run, [](size_t, RunStep& step) { step.stored_energy = step.external_work = 0; });
     return evaluate(run, {})["energy_drift"].get<double>();
   };
   EXPECT_GT(drift(1e-3, false), 10) << "J: there is something to account for";

@@ -19,8 +19,10 @@ lab::Run one_reach(const std::vector<double>& actual) {
   std::vector<double> wanted(actual.size(), 1);
   wanted[0] = wanted[1] = 0, wanted[2] = 0.5;
   lab::Run run = test::by_hand(wanted, std::vector<double>(actual.size(), 0));
-  run.references[2].v[0] = 5;
-  for (size_t k = 0; k < actual.size(); ++k) run.states[k].q[0] = actual[k];
+  test::edit(run, [&](size_t k, RunStep& step) {
+    if (k == 2) step.reference.v[0] = 5;
+    step.state.q[0] = actual[k];
+  });
   return run;
 }
 
@@ -59,9 +61,11 @@ TEST(Reaches, ALateExcursionIsNotSettledEarly) {
 TEST(Reaches, EachMotionAndRestIsOne) {
   // 0 -> 1 -> 0.4 (negative way), by jumps, and back to 0.4 without a rest in between: no new place
   lab::Run run = test::by_hand({0, 1, 1, 1, 0.4, 0.4, 0.4, 0.5, 0.4, 0.4}, std::vector<double>(10, 0));
-  run.references[7].v[0] = 1;
   const double actual[] = {0, 0.5, 1, 1, 0.7, 0.3, 0.4, 0.4, 0.4, 0.4};
-  for (int k = 0; k < 10; ++k) run.states[k].q[0] = actual[k];
+  test::edit(run, [&](size_t k, RunStep& step) {
+    if (k == 7) step.reference.v[0] = 1;
+    step.state.q[0] = actual[k];
+  });
   const std::vector<Reach> all = reaches(run);
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].arrival, 1u);
@@ -79,11 +83,11 @@ TEST(Reaches, EachMotionAndRestIsOne) {
 TEST(Reaches, NoneWithoutRestOrWithoutMotion) {
   EXPECT_EQ(evaluate(test::by_hand({0, 0, 0}, {1, 1, 1}), {})["reach_count"], 0);
   lab::Run run = test::by_hand({0, 0.1, 0.2, 0.3}, {0, 0, 0, 0});
-  for (Reference& r : run.references) r.v[0] = 1;
+  test::edit(run, [](size_t, RunStep& step) { step.reference.v[0] = 1; });
   const json out = evaluate(run, {});
   EXPECT_EQ(out["reach_count"], 0);
   EXPECT_TRUE(out["reach_settling_max"].is_null());
-  run.references[3].v[0] = 0;  // it arrives with the last step
+  test::edit(run, 3, [](RunStep& step) { step.reference.v[0] = 0; });  // it arrives with the last step
   EXPECT_EQ(evaluate(run, {})["reach_count"], 1);
 }
 
@@ -93,11 +97,15 @@ TEST(Reaches, SecondOrderStepResponse) {
   const size_t n = 6000;
   lab::Run run = test::by_hand(std::vector<double>(n, 1), std::vector<double>(n, 0));
   run.dt = dt;
-  run.references[0].q[0] = 0;  // the step: the target is there from step 1 on
   const auto error = [&](double t) {
     return -std::exp(-zeta * w * t) * (std::cos(wd * t) + zeta * w / wd * std::sin(wd * t));
   };
-  for (size_t k = 1; k < n; ++k) run.states[k].q[0] = 1 + error(static_cast<double>(k - 1) * dt);
+  test::edit(run, [&](size_t k, RunStep& step) {
+    if (k == 0)
+      step.reference.q[0] = 0;  // the step: the target is there from step 1 on
+    else
+      step.state.q[0] = 1 + error(static_cast<double>(k - 1) * dt);
+  });
   const Reach::Joint joint = reaches(run).at(0).joints[0];
   // a sample is at most dt / 2 from the peak, where the second derivative is below w^2
   EXPECT_NEAR(joint.overshoot, std::exp(-zeta * std::numbers::pi * w / wd), w * w * dt * dt / 8);
@@ -142,10 +150,12 @@ TEST(Evaluate, MarginsAndSharesOfLimits) {
   run.model.lowerVelocityLimit << -4, -2;
   run.model.upperEffortLimit << 10, 10;
   run.model.lowerEffortLimit << -5, -10;
-  run.states[1].q << 0.9, 0;
-  run.states[2].q << 0, 0.3;
-  run.states[1].v << -3, 1;
-  run.states[1].tau << -4, 3;  // a share of the limit on its own side
+  test::edit(run, 1, [](RunStep& step) {
+    step.state.q << 0.9, 0;
+    step.state.v << -3, 1;
+    step.state.tau << -4, 3;  // a share of the limit on its own side
+  });
+  test::edit(run, 2, [](RunStep& step) { step.state.q << 0, 0.3; });
   const json out = evaluate(run, {});
   EXPECT_NEAR(out["min_position_margin"], -0.05, 1e-15);
   EXPECT_NEAR(out["joints"][0]["min_position_margin"], 0.1, 1e-15);

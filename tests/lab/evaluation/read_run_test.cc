@@ -16,6 +16,7 @@
 #include "lab/experiment/experiment_yaml.h"
 #include "lab/experiment/robot.h"
 #include "procs/solo/direct.h"
+#include "tests/lab/evaluation/by_hand.h"
 #include "tests/support/paths.h"
 #include "wire/log/log_writer.h"
 #include "wire/protocol/convert.h"
@@ -48,19 +49,20 @@ class Folder : public testing::Test {
     for (int j = 1; j < robot.model.njoints; ++j) head.joint_names.push_back(robot.model.names[j]);
     head.njoints = static_cast<int32_t>(head.joint_names.size());
     log.add(0, "RUN", encode(head));
-    for (size_t k = 0; k < run.states.size(); ++k) {
+    for (size_t k = 0; k < run.steps.size(); ++k) {
+      const RunStep step = run.steps[k];
       robot_state_t state{};
-      to_message(run.states[k], state);
-      state.run = 77, state.step = run.states[k].step, state.utime = step_utime(state.step, run.dt);
+      to_message(step.state, state);
+      state.run = 77, state.step = step.state.step, state.utime = step_utime(state.step, run.dt);
       state.command_step = state.step - 1;
       log.add(state.utime, "ROBOT_STATE", encode(state));
       reference_t reference{};
-      to_message(run.references[k], reference);
+      to_message(step.reference, reference);
       reference.run = 77, reference.step = state.step, reference.utime = state.utime;
       log.add(state.utime, "REFERENCE", encode(reference));
     }
     end_t end{};
-    end.run = 77, end.step = run.states.back().step, end.utime = step_utime(end.step, run.dt);
+    end.run = 77, end.step = run.steps.back().state.step, end.utime = step_utime(end.step, run.dt);
     if (!cut) log.add(end.utime, "END", encode(end));
     log.finish();
   }
@@ -122,7 +124,7 @@ TEST_F(Folder, ALogWithoutEndIsARunThatFailed) {
   const Experiment e = load_experiment(lab::source_path("experiments/cubic_pd.yaml"));
   const Robot robot = load_robot(e);
   lab::Run run = *solo::run_direct(e, robot.model);
-  run.states.resize(100), run.references.resize(100);
+  test::keep_first(run, 100);
   write_run(e, robot, run, true);
   EXPECT_EQ(call("evaluate " + dir_), 1);
   EXPECT_NE(out_.find("FAILED  the run ended at step 99 of 300: the log has no END"), std::string::npos)

@@ -81,10 +81,10 @@ TEST_F(Truth, ComesBackFromTheLogToTheLastBit) {
   ASSERT_EQ(outcome_.exit_code, kOk) << outcome_.reason;
   const LoggedRun back = read_run(log());
   const lab::Run run = *solo::run_direct(experiment_, robot_.model);  // the same steps without any log
-  ASSERT_EQ(back.run.states.size(), run.states.size());
-  for (size_t k = 0; k < run.states.size(); ++k) {
-    ASSERT_EQ(back.run.states[k].q, run.states[k].q) << k;
-    ASSERT_EQ(back.run.states[k].v, run.states[k].v) << k;
+  ASSERT_EQ(back.run.steps.size(), run.steps.size());
+  for (size_t k = 0; k < run.steps.size(); ++k) {
+    ASSERT_EQ(back.run.steps[k].state.q, run.steps[k].state.q) << k;
+    ASSERT_EQ(back.run.steps[k].state.v, run.steps[k].state.v) << k;
   }
   const nlohmann::json metrics = evaluate(back.run, {});
   EXPECT_EQ(metrics, evaluate(run, {}));
@@ -97,7 +97,7 @@ TEST_F(Truth, ComesBackFromTheLogToTheLastBit) {
   for (LogEvent event; reader.next(event);) {
     if (event.channel != "ROBOT_STATE") continue;
     const auto message = decode<robot_state_t>(event.data);
-    const RobotState& was = run.states[static_cast<size_t>(std::max<int64_t>(message.step - 5, 0))];
+    const RobotState was = run.steps[static_cast<size_t>(std::max<int64_t>(message.step - 5, 0))].state;
     for (int i = 0; i < 6; ++i) {
       ASSERT_NE(message.q[i], was.q[i]);
       ASSERT_LT(std::abs(message.q[i] - was.q[i]), 8.6 * 1e-4);

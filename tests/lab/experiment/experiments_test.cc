@@ -165,7 +165,7 @@ TEST(Experiments, TheHeldToolGivesWayByForceOverStiffness) {
     rbd::forwardKinematics(robot.model, data, state.q);
     return data.oMf[robot.model.frameId("arm_tool_link")];
   };
-  const rbd::SE3 first = tool(run.states.front()), last = tool(run.states.back());
+  const rbd::SE3 first = tool(run.steps[0].state), last = tool(run.steps.back().state);
   EXPECT_LT((last.translation() - first.translation() - Eigen::Vector3d(0, 0, -0.02)).norm(), 1e-6);
   EXPECT_LT((last.rotation() - first.rotation()).norm(), 1e-5);
 }

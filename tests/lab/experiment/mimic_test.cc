@@ -71,7 +71,7 @@ TEST(Mimic, ARunOfTheGripper) {
   EXPECT_EQ(figures["joints"].size(), 2u);
 
   rbd::Data data(robot.model);
-  rbd::forwardKinematics(robot.model, data, run.states.back().q);
+  rbd::forwardKinematics(robot.model, data, run.steps.back().state.q);
   const auto along = [&](const char* frame) {
     const rbd::SE3 upper = data.oMf[robot.model.frameId("upper")];
     return upper.actInv(data.oMf[robot.model.frameId(frame)]).translation().y();

@@ -18,28 +18,24 @@ TEST(Thin, KeepsPeaksAndEndsAndOrder) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> noise(-1, 1);
   for (size_t n : {1u, 5u, 200u, 201u, 999u, 5000u}) {
-    Curve curve;
-    for (size_t i = 0; i < n; ++i) {
-      curve.x.push_back(static_cast<double>(i));
-      curve.y.push_back(noise(random));
-    }
+    std::vector<double> all;
+    for (size_t i = 0; i < n; ++i) all.push_back(noise(random));
     if (n > 500) {  // peaks of one step each
-      curve.y[n / 3] = 40;
-      curve.y[n / 2] = -50;
+      all[n / 3] = 40;
+      all[n / 2] = -50;
     }
-    const Curve before = curve;
-    thin(curve, 100);
+    Thinned thinned(n, 100);
+    for (size_t i = 0; i < n; ++i) thinned.add(static_cast<double>(i), all[i]);
+    const Curve curve = thinned.curve("", Ink::Blue);
     ASSERT_EQ(curve.x.size(), curve.y.size());
     EXPECT_LE(curve.y.size(), 202u);
-    EXPECT_EQ(*std::max_element(curve.y.begin(), curve.y.end()),
-              *std::max_element(before.y.begin(), before.y.end()));
-    EXPECT_EQ(*std::min_element(curve.y.begin(), curve.y.end()),
-              *std::min_element(before.y.begin(), before.y.end()));
+    EXPECT_EQ(*std::max_element(curve.y.begin(), curve.y.end()), *std::max_element(all.begin(), all.end()));
+    EXPECT_EQ(*std::min_element(curve.y.begin(), curve.y.end()), *std::min_element(all.begin(), all.end()));
     EXPECT_TRUE(std::is_sorted(curve.x.begin(), curve.x.end()));
     EXPECT_EQ(curve.x.front(), 0);
     EXPECT_EQ(curve.x.back(), static_cast<double>(n - 1));
     for (size_t i = 0; i < curve.x.size(); ++i)
-      ASSERT_EQ(curve.y[i], before.y[static_cast<size_t>(curve.x[i])]);  // nothing is made up
+      ASSERT_EQ(curve.y[i], all[static_cast<size_t>(curve.x[i])]);  // nothing is made up
   }
 }
 

@@ -172,12 +172,12 @@ TEST(Page, TheJointThatOvershootsIsNamed) {
   std::vector<double> wanted(13, 1);
   wanted[0] = wanted[1] = 0, wanted[2] = 0.5;
   lab::Run run = test::by_hand(wanted, wanted);
-  run.references[2].v[0] = 5;
-  for (size_t k = 0; k < 13; ++k) {
-    run.states[k].q[0] = k < 3 ? wanted[k] : k < 9 ? 1.02 : 1;
-    run.states[k].q[1] = k < 3 ? wanted[k] : k < 5 ? 1.3 : 1;
-  }
-  const std::string text = text_of(run_page(folder_of("a", run)));
+  test::edit(run, [&](size_t k, RunStep& step) {
+    if (k == 2) step.reference.v[0] = 5;
+    step.state.q[0] = k < 3 ? wanted[k] : k < 9 ? 1.02 : 1;
+    step.state.q[1] = k < 3 ? wanted[k] : k < 5 ? 1.3 : 1;
+  });
+  const std::string text = text_of(run_page(folder_of("a", std::move(run))));
   for (const char* const words : {"largest overshoot 0.3 rad two", "overshoot / way 0.3 two",
                                   "settling, slowest reach 0.6 s one", "0.6 one 0.3 rad two 0.3 two"})
     EXPECT_NE(text.find(words), std::string::npos) << words;
@@ -198,9 +198,12 @@ TEST(Charts, EveryJointWithANameHasAColourOfItsOwn) {
                        "joint" + std::to_string(j));
     run.model.appendBodyToJoint(static_cast<rbd::JointIndex>(j + 1), rbd::Inertia::FromSphere(1, 0.1));
   }
-  for (size_t k = 0; k < 2; ++k) {
-    run.states[k].q = run.states[k].v = run.states[k].tau = Eigen::VectorXd::Zero(kJoints);
-    run.references[k].q = Eigen::VectorXd::LinSpaced(kJoints, 0, 1);
+  run.steps = {};
+  for (int64_t k = 0; k < 2; ++k) {
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(kJoints);
+    run.steps.push_back(
+        {.state = {.step = k, .q = zero, .v = zero, .tau = zero},
+         .reference = {.step = k, .q = Eigen::VectorXd::LinSpaced(kJoints, 0, 1), .v = zero, .a = zero}});
   }
   const ChartGroup group = error_charts(run);
   std::set<plot::Ink> inks;

@@ -191,11 +191,12 @@ TEST(SoftStops, DampingTakesEnergyAndTheAccountSaysHowMuch) {
     State state = initial(wheel.config);
     std::vector<RobotState> states{state.robot};
     while (state.robot.time < 1) states.push_back(step(wheel.config, state, {}).state);
-    const ExternalEnergy account = external_energy(wheel.config, states, {});
+    ExternalEnergy account(wheel.config);
     double given = 0, drift = 0;
-    for (size_t k = 0; k < states.size(); ++k) {
-      given += account.work[k];
-      const double energy = 0.5 * Wheel::inertia * states[k].v[0] * states[k].v[0] + account.stored[k];
+    for (const RobotState& at : states) {
+      const auto external = account.next(at, {});
+      given += external.work;
+      const double energy = 0.5 * Wheel::inertia * at.v[0] * at.v[0] + external.stored;
       drift = std::max(drift, std::abs(energy - 0.5 * Wheel::inertia - given));
     }
     EXPECT_LT(given, -0.01) << "J";
@@ -243,31 +244,44 @@ TEST(Disturbances, SayWhatIsWrongWithThem) {
 
 // ---- the fold
 
-/// Commands and people's wishes of every kind, and what the simulator said to them.
+/// Commands and people's wishes of every kind by the step that they lead to, and what the simulator said to them.
 struct Recorded {
-  SimulatorInputs inputs;
+  std::map<int64_t, Command> commands;
+  std::map<int64_t, std::vector<Action>> actions;
   std::vector<RobotState> logged, truth;
 };
+
+std::vector<RobotState> true_states(const Config& config, const Recorded& run) {
+  TrueStates truth(config);
+  std::vector<RobotState> out;
+  for (const RobotState& logged : run.logged) {
+    const auto command = run.commands.find(logged.step);
+    const auto actions = run.actions.find(logged.step);
+    out.push_back(truth.next(logged, command == run.commands.end() ? nullptr : &command->second,
+                             actions == run.actions.end() ? std::vector<Action>() : actions->second));
+  }
+  return out;
+}
 
 Recorded record(const Config& config) {
   Recorded out;
   State state = initial(config);
   out.logged.push_back(sensed(config, state));
   out.truth.push_back(state.robot);
-  out.inputs.actions = {
+  out.actions = {
       {50, {{"push", "effector_body", "", "", {0, 0, 1, 5, 0, 0, 0.1}}}},
       {120, {{"payload", "effector_body", "", "", {1.5, 0, 0, 0.1}}, {"set", "controller", "kp", "", {1}}}},
       {200, {{"estop", "", "", "", {}}}},
       {260, {{"rearm", "", "", "", {}}}}};
   for (int64_t k = 1; k <= 400; ++k) {
     if (k % 2 == 1)
-      out.inputs.commands[k] = {
+      out.commands[k] = {
           .tau = 20 * (Eigen::VectorXd::Constant(6, 0.2) - out.logged.back().q) - out.logged.back().v,
           .state_step = k - 1};
     Input input;
-    if (const auto command = out.inputs.commands.find(k); command != out.inputs.commands.end())
+    if (const auto command = out.commands.find(k); command != out.commands.end())
       input.command = &command->second;
-    if (const auto actions = out.inputs.actions.find(k); actions != out.inputs.actions.end())
+    if (const auto actions = out.actions.find(k); actions != out.actions.end())
       input.actions = actions->second;
     const Output output = step(config, state, input);
     EXPECT_FALSE(output.abort);
@@ -290,7 +304,7 @@ TEST(Fold, GivesTheTrueStatesBackBitForBit) {
     }
     const Config config = make_config(e, arm());
     const Recorded run = record(config);
-    const std::vector<RobotState> folded = true_states(config, run.logged, run.inputs);
+    const std::vector<RobotState> folded = true_states(config, run);
     ASSERT_EQ(folded.size(), run.truth.size());
     for (size_t k = 0; k < folded.size(); ++k) {
       ASSERT_EQ(folded[k].q, run.truth[k].q) << k;
@@ -307,7 +321,7 @@ TEST(Fold, FindsTheStepThatDoesNotFollow) {
   const Recorded run = record(config);
   const auto complaint = [&](const Recorded& changed) {
     try {
-      true_states(config, changed.logged, changed.inputs);
+      true_states(config, changed);
     } catch (const std::runtime_error& error) {
       return std::string(error.what());
     }
@@ -315,14 +329,14 @@ TEST(Fold, FindsTheStepThatDoesNotFollow) {
   };
   EXPECT_EQ(complaint(run), "none");
   Recorded changed = run;
-  double& tau = changed.inputs.commands[101].tau[2];
+  double& tau = changed.commands[101].tau[2];
   tau = std::nextafter(tau, 1e9);
   EXPECT_NE(complaint(changed).find("at step 101 "), std::string::npos) << complaint(changed);
   changed = run;
   changed.logged[77].v[5] = std::nextafter(changed.logged[77].v[5], 1e9);
   EXPECT_NE(complaint(changed).find("at step 77 v[5] is "), std::string::npos) << complaint(changed);
   changed = run;
-  changed.inputs.actions.erase(120);
+  changed.actions.erase(120);
   EXPECT_NE(complaint(changed).find("at step 120 "), std::string::npos) << complaint(changed);
   changed = run;
   changed.logged.erase(changed.logged.begin() + 10);

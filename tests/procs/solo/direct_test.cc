@@ -47,17 +47,18 @@ TEST_P(Direct, GivesWhatTheLogOfLabSoloHolds) {
   const bool closed = std::filesystem::exists(dir + "/log.lcm");
   if (closed) {
     const LoggedRun logged = read_run(dir + "/log.lcm");
-    ASSERT_EQ(direct->states.size(), logged.run.states.size());
-    ASSERT_EQ(direct->references.size(), logged.run.references.size());
-    for (size_t k = 0; k < direct->states.size(); ++k) {
-      const RobotState &a = direct->states[k], &b = logged.run.states[k];
+    ASSERT_EQ(direct->steps.size(), logged.run.steps.size());
+    StepReader ours(direct->steps), theirs(logged.run.steps);
+    for (size_t k = 0; k < direct->steps.size(); ++k) {
+      const auto& [a, r, stored, work] = ours.at(k);
+      const auto& [b, s, logged_stored, logged_work] = theirs.at(k);
       ASSERT_EQ(a.step, b.step);
       ASSERT_TRUE(a.time == b.time && same_bits(a.q, b.q) && same_bits(a.v, b.v) && same_bits(a.tau, b.tau))
           << "state " << a.step;
-      const Reference &r = direct->references[k], &s = logged.run.references[k];
       ASSERT_EQ(r.step, s.step);
       ASSERT_TRUE(same_bits(r.q, s.q) && same_bits(r.v, s.v) && same_bits(r.a, s.a))
           << "reference " << r.step;
+      ASSERT_TRUE(stored == logged_stored && work == logged_work) << "energy " << a.step;
     }
     EXPECT_EQ(evaluate(*direct, e.expect).dump(), evaluate(logged.run, logged.experiment.expect).dump());
   }
