@@ -9,6 +9,8 @@
 # as long as these are not precompiled.
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess> -Wno-stringop-overflow)
+  # g++ collects its garbage less often: a tenth faster, for a sixth more memory
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-expand=300> $<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=524288>)
 else()
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
