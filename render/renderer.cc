@@ -35,14 +35,6 @@ void copy(unsigned from, unsigned to, const Eigen::Array4i& area, unsigned what)
   glBlitFramebuffer(x, y, right, upper, x, y, right, upper, what, GL_NEAREST);
 }
 
-// All that the picture of sky and floor depends on.
-struct BackgroundKey {
-  Eigen::Matrix4d clip_from_world, ray_from_clip;
-  Eigen::Vector4d floor;
-  double spacing;
-  bool operator==(const BackgroundKey&) const = default;
-};
-
 }  // namespace
 
 Quality quality_from_name(const std::string& name) {
@@ -57,6 +49,14 @@ Quality quality_from_name(const std::string& name) {
 // Bodies are drawn with 2x2 samples on a transparent layer of their own, whose average is laid over the
 // background. (In draft quality they go straight onto it.)
 struct Renderer::Impl {
+  // All that the picture of sky and floor depends on.
+  struct BackgroundKey {
+    Eigen::Matrix4d clip_from_world, ray_from_clip;
+    Eigen::Vector4d floor;
+    double spacing;
+    bool operator==(const BackgroundKey&) const = default;
+  };
+
   int width, height;
   int samples;  // along one side of a pixel
   bool shadow;
