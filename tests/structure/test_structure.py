@@ -16,6 +16,7 @@ import claims
 import output
 import rooms
 import sizes
+import statements
 import tidy
 
 TABLE = """
@@ -274,6 +275,55 @@ class Claims(unittest.TestCase):
                            ("EVENT `fly`", "no EVENT 'fly'"), ("14 example programs", "examples/[0-9]*.cc are 15")):
             found = self.findings(page)
             self.assertEqual(len(found), 1, (page, found))
+            self.assertIn(said, found[0])
+
+
+class Statements(unittest.TestCase):
+    SAFETY = """# Safety
+
+It is **safe**. The [page](x.md) says so:
+`always`.
+
+- **One.** Of two. In 20 ms, e.g. of 3
+  lines (yes.) Two.
+2. Item, since 1. January.
+
+| head | of a table |
+|---|---|
+| row | `r` |
+
+```
+[*] --> Waiting
+no sentence
+```
+"""
+    SENTENCES = ["It is safe.", "The page says so: always.", "One. Of two.", "In 20 ms, e.g. of 3 lines (yes.)", "Two.", "Item, since 1.", "January.",
+                 "row | r", "[*] --> Waiting"]
+    TESTS = {"tests/a/a_test.cc": "TEST_F(A, Holds) {", "tests/b.py": "    def test_b(self):", "tests/c.bats": '@test "c: (d)" {'}
+
+    def test_what_a_sentence_is(self):
+        self.assertEqual(statements.sentences(self.SAFETY), self.SENTENCES)
+
+    def findings(self, *rows):
+        rows = rows or [f"docs/safety.md\t{sentence[:10]}\ta_test.cc::A.Holds\tb.py::test_b" for sentence in self.SENTENCES]
+        with tempfile.TemporaryDirectory() as root:
+            for name, text in {**self.TESTS, "docs/safety.md": self.SAFETY, "docs/architecture.md": "No statement.\n\n## Two clocks\n\nTick.\n",
+                               statements.TABLE: "\n".join([*rows, "docs/architecture.md\tTick\tc.bats::c: (d)"])}.items():
+                path = pathlib.Path(root, name)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text)
+            return list(statements.findings(pathlib.Path(root)))
+
+    def test_one_row_for_each(self):
+        good = [f"docs/safety.md\t{sentence[:10]}\t-\twhy" for sentence in self.SENTENCES]
+        self.assertEqual(self.findings(), [])
+        self.assertEqual(self.findings(*good), [])
+        for rows, said in ((good[1:], "no row of tests/structure/statements.tsv for 'It is safe.'"), ([*good, "docs/safety.md\tGone\t-\twhy"], "0 sentences"),
+                           ([*good, "docs/safety.md\tI\t-\twhy"], "3 sentences"), ([*good, "docs/safety.md\tIt\t-"], "name the tests"),
+                           ([*good, "docs/safety.md\tIt\ta_test.cc::A.Hold"], "no test a_test.cc::A.Hold"),
+                           ([*good, "docs/safety.md\tIt\tb_test.cc::A.Holds"], "no test b_test.cc"), ([*good, "docs/safety.md\tIt\tb.py::test"], "no test")):
+            found = self.findings(*rows)
+            self.assertEqual(len(found), 1, (rows, found))
             self.assertIn(said, found[0])
 
 
