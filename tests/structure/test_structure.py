@@ -319,9 +319,9 @@ no sentence
         self.assertEqual(self.findings(), [])
         self.assertEqual(self.findings(*good), [])
         for rows, said in ((good[1:], "no row of tests/structure/statements.tsv for 'It is safe.'"), ([*good, "docs/safety.md\tGone\t-\twhy"], "0 sentences"),
-                           ([*good, "docs/safety.md\tI\t-\twhy"], "3 sentences"), ([*good, "docs/safety.md\tIt\t-"], "name the tests"),
-                           ([*good, "docs/safety.md\tIt\ta_test.cc::A.Hold"], "no test a_test.cc::A.Hold"),
-                           ([*good, "docs/safety.md\tIt\tb_test.cc::A.Holds"], "no test b_test.cc"), ([*good, "docs/safety.md\tIt\tb.py::test"], "no test")):
+                           ([*good, "docs/safety.md\tI\t-\twhy"], "3 sentences"), ([*good, "docs/safety.md\tIt is\t-"], "name the tests"),
+                           ([*good, "docs/safety.md\tIt is\ta_test.cc::A.Hold"], "no test a_test.cc::A.Hold"),
+                           ([*good, "docs/safety.md\tIt is\tb_test.cc::A.Holds"], "no test b_test.cc"), ([*good, "docs/safety.md\tIt is\tb.py::test"], "no test")):
             found = self.findings(*rows)
             self.assertEqual(len(found), 1, (rows, found))
             self.assertIn(said, found[0])
