@@ -221,6 +221,12 @@ each_way() {
   eventually 2 gone
 }
 
+@test "the first way of isolation that works is taken" {
+  mapfile -t ways < <(each_way) # a network namespace, the same in a user namespace, a port
+  run "$ROOT/scripts/isolate" bash -c 'echo "$LAB_ISOLATED"'
+  [ "$output" = "${ways[0]}" ]
+}
+
 @test "root without CAP_SYS_ADMIN runs in a user namespace" {
   [ "$(id -u)" -eq 0 ] || skip "needs root"
   given "simulator: echo \$LAB_ISOLATED # $mark"

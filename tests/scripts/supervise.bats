@@ -5,6 +5,8 @@ setup() { common_setup; }
 teardown() { common_teardown; }
 
 started() { [ "$(grep -c ' start ' "$group/supervisor.log" 2>/dev/null)" = "$1" ]; }
+# the first time at which the supervisor noted that, in hundredths of a second
+at() { sed -n "s/^ *\([0-9]*\)[.]\([0-9]*\) $1.*/\1\2/p" "$group/supervisor.log" | sed '1s/^0*\(.\)/\1/;q'; }
 order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs; }
 
 @test "all end by themselves: exit 0, codes on stdout, output in files" {
@@ -21,12 +23,12 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
 }
 
 @test "a required process that dies ends the group with 5, named, and takes the others along" {
-  run supervise "simulator: $nap; : $mark" "planner: $nap; : $mark" "controller: echo last words; exit 42 # $mark" \
-    "logger: $nap; : $mark"
+  run supervise "simulator: $nap; : $mark" "logger: $nap; : $mark" "renderer: $nap; : $mark" "planner: $nap; : $mark" \
+    "controller: echo last words; exit 42 # $mark"
   [ "$status" -eq 5 ]
   [[ $output == *"controller| last words"* ]]
   [[ ${lines[-1]} == *"controller ended with exit code 42"* ]]
-  [ "$(order_of 'send INT to')" = "simulator planner logger" ]
+  [ "$(order_of 'send INT to')" = "simulator planner renderer logger" ]
 }
 
 @test "a process killed from outside is named with its signal" {
@@ -71,6 +73,9 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   run supervise "simulator: true # $mark" "planner: trap 'exit 0' INT; read -rt 5 <> <(:); exit 7 # $mark"
   [ "$status" -eq 0 ]
   [ "$(order_of 'send INT to')" = planner ]
+  waited=$(($(at "send INT to planner") - $(at "exit simulator")))
+  [ "$waited" -ge 100 ]
+  [ "$waited" -lt 400 ]
 }
 
 @test "INT once: the simulator ends the run, the others see that, the logger is told last, 130" {
@@ -130,7 +135,8 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   run supervise "#lab: planner restart=on-failure" \
     "planner: echo life; mkdir $BATS_TEST_TMPDIR/once 2>/dev/null && kill -STOP \$\$; exit 0 # $mark"
   [ "$status" -eq 0 ]
-  [[ $output == *"planner has been stopped"*"killing it"* ]]
+  [[ $output == *"planner has been stopped"*"for 3 s: killing it"* ]]
+  [ $(($(at "send KILL to planner") - $(at "start planner"))) -ge 300 ]
   [ "$(grep -c life "$group/planner.log")" -eq 2 ]
 }
 
@@ -138,7 +144,10 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   flags="--timeout 1" supervise_in_background "simulator: echo up; $nap; : $mark"
   eventually 10 test -s "$group/simulator.log"
   kill -STOP $boss
+  before=$SECONDS
   code_of $boss
+  [ $((SECONDS - before)) -ge 1 ]
+  [ $((SECONDS - before)) -lt 10 ]
   [ "$status" -eq 124 ]
   eventually 5 gone
 }
@@ -303,6 +312,16 @@ order_of() { sed -n "s/.* $1 \([a-z]*\).*/\1/p" "$group/supervisor.log" | xargs;
   grep -q 'line number 100' "$group/simulator.log.1"
   kill -INT $boss
   code_of $boss
+}
+
+@test "output beyond 10 MB moves on to NAME.log.1" {
+  supervise_in_background "simulator: head -c 10000001 /dev/zero; $nap; : $mark" "planner: head -c 10000000 /dev/zero; $nap; : $mark"
+  ten_mb() { [ "$(stat -c %s "$group/planner.log")" -eq 10000000 ]; }
+  eventually 20 test -e "$group/simulator.log.1"
+  eventually 20 ten_mb
+  kill -INT $boss
+  code_of $boss
+  [ ! -e "$group/planner.log.1" ]
 }
 
 @test "when the simulator restarts, all processes do, with another nonce" {

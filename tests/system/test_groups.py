@@ -23,6 +23,8 @@ def log_of(folder):
 def test_a_day_in_the_lab(runs):
     ok(call(runs, "up", "-d", *PATIENT))
     ok(call(runs, "wait", "--ready"))
+    environment = pathlib.Path(f"/proc/{state(runs / 'live')['logger'][1]}/environ").read_bytes().split(b"\0")
+    assert b"LAB_QUOTA_MB=2000" in environment, "2 GB without --quota"
     [there] = json.loads(ok(call(runs, "ps", "--json")))
     assert {p["name"]: p["state"] for p in there["processes"]} == dict.fromkeys(["simulator", "planner", "controller", "logger"], "RUNNING")
     assert all(p["memory"] > 0 and os.path.exists(f"/proc/{p['pid']}") for p in there["processes"])
@@ -257,6 +259,30 @@ def test_a_new_logger_goes_on_in_real_time_without_an_effect(runs, tmp_path, eve
     assert steps == sorted(steps) and steps[-1] > 100
     telemetry = [types.process_t.decode(d) for c, d in lab.events(folder / "telemetry.lcm") if c == "PROCESS"]
     assert len({p.pid for p in telemetry if p.name == "logger"}) == 2, "of both loggers"
+
+
+def test_a_controller_that_hangs_is_not_restarted(runs, tmp_path):
+    """The first one says nothing from step 5 on, but lives; the next one is the lab's own."""
+    types, once = lab.generated_types(tmp_path / "types"), tmp_path / "once"
+    controller = f"test -e {once} && exec {lab.BUILD}/bin/lab-controller --run-dir {{run_dir}}; touch {once}; exec {INTRUDER} silent"
+    ok(call(runs, "up", "-d", "-f", lab.live_experiment(tmp_path), "--set", f"processes.controller={controller}"))
+    folder = runs / "live"
+
+    def last_change_and_step():
+        log = list(lab.events(folder / "log.lcm.part"))
+        changes = [what for what in (types.event_t.decode(d).what for c, d in log if c == "EVENT") if what in ("running", "holding")]
+        return changes[-1:], max((lab.header(d)[2] for c, d in log if c == "ROBOT_STATE"), default=-1)
+    lab.until(lambda: (folder / "log.lcm.part").exists() and last_change_and_step()[1] >= 1000, "5 s")  # longer than a stopped one has
+    assert last_change_and_step()[0] == ["holding"] and state(folder)["controller"][::2] == ("running", 0)
+    ok(call(runs, "restart", "controller"))
+    lab.until(lambda: last_change_and_step()[0] == ["running"], "the next one moves the robot")
+
+
+def test_the_network_that_is_named_carries_the_messages(runs):
+    ok(call(runs, "up", "-d", "--network", "lo", *PATIENT))
+    assert "?ttl=1&interface=lo&" in lab.bus_of(runs / "live")
+    ok(call(runs, "wait", "--ready"))
+    ok(call(runs, "down"))
 
 
 @pytest.mark.parametrize("mode", ["frozen", "replay", "nan", "over"])

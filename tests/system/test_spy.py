@@ -149,7 +149,8 @@ def test_who_knows_processes_and_how_fast_they_go(bus):
     [one] = json.loads(spy("who", "--for", "0.5", "--json"))
     assert (one["name"], one["pid"], one["state"]) == ("planner", 7, "RUNNING")
     assert abs(one["rate"] - 300) < 1e-6  # steps per second of its own clock
-    assert [line.split()[0] for line in spy("who", "--for", "0.5").splitlines()] == ["name", "planner"]
+    lines = [line.split() for line in spy("who", "--for", "0.5").splitlines()]
+    assert [line[0] for line in lines] == ["name", "planner"] and lines[0][-1] == "dropped"
 
 
 def test_once_is_one(bus):

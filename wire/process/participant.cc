@@ -115,6 +115,11 @@ void go_realtime(const std::string& name, int urgency) {
         missing);
 }
 
+Micros time_to_sleep(const Role& role, Micros next_process, Micros now) {
+  const Micros wake = role.lateness() ? role.wake() - kEarly : role.wake();
+  return std::clamp<Micros>(std::min(wake, next_process) - now, 0, kRepeat);
+}
+
 int64_t launch_nonce() {
   const char* text = std::getenv("LAB_LAUNCH");
   return text ? std::strtoll(text, nullptr, 10) : 0;
@@ -243,8 +248,7 @@ int Participant::run(Role& role) {
     publish_process(role, role.state());  // before any other message of ours: it tells the others our address
     while (!role.outcome().ended) {
       const Micros before = monotonic_now();
-      const Micros wake = role.lateness() ? role.wake() - kEarly : role.wake();
-      const Micros wait = std::clamp<Micros>(std::min(wake, next_process) - before, 0, kRepeat);
+      const Micros wait = time_to_sleep(role, next_process, before);
       Micros woken = 0;
       bus_->poll(
           wait,

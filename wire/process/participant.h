@@ -59,6 +59,10 @@ struct PublishRefused : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// us that a process may wait for messages before it calls the role again. A role with ticks is called from 50 us before each
+/// on, without any sleep, because a sleep may end that much late.
+Micros time_to_sleep(const Role& role, Micros next_process, Micros now);
+
 /// The nonce of this launch of the group, from env LAB_LAUNCH; 0 if unset.
 int64_t launch_nonce();
 

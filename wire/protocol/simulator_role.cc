@@ -169,7 +169,6 @@ void SimulatorRole::on_request(const request_t& request, Micros now) {
   Bytes bytes = encode(reply);
   publish_(Channel::Reply, bytes);
   if (passed) replies_.remember(request.sender, request.id, std::move(bytes), now);
-  idle_timer_.reset();
   take_due_steps(now);
 }
 
@@ -286,7 +285,7 @@ void SimulatorRole::tick(Micros now) {
       if (phase_ == Phase::Ending &&
           idle_timer_.elapsed() >
               (verdict_.exit_code == kOk ? config_.deadline : std::min(config_.deadline, 20 * kRepeat))) {
-        if (verdict_.exit_code == kOk) verdict_ = {true, kTransport, "the log was not closed in time"};
+        if (verdict_.exit_code == kOk) verdict_ = {true, kTransport, open_log()};
         phase_ = Phase::Over;
         outcome_ = verdict_;
       }
@@ -299,6 +298,13 @@ void SimulatorRole::tick(Micros now) {
 
 Micros SimulatorRole::wake() const {
   return phase_ == Phase::Running ? next_wake() : phase_ == Phase::Ending ? next_end_ : INT64_MAX;
+}
+
+/// Whose log is not closed in time.
+std::string SimulatorRole::open_log() const {
+  const auto open = std::find_if(config_.listeners.begin(), config_.listeners.end(),
+                                 [&](const std::string& name) { return !closed_.contains(name); });
+  return fmt::format("{} did not close its log in {:g} s", *open, config_.deadline * 1e-6);
 }
 
 std::string SimulatorRole::missing_processes() const {

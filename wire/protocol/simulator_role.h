@@ -146,6 +146,7 @@ class SimulatorRole : public Role {
   void start_if_ready(Micros now);
   void finish_if_logs_closed();
   std::string missing_processes() const;
+  std::string open_log() const;
 
   bool announced_ = false;
   size_t introduced_ = 0;  ///< which message introduce() repeats next: 0 = RUN, then the types

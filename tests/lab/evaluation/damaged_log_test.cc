@@ -24,6 +24,7 @@
 #include "wire/log/checked_log.h"
 #include "wire/log/event_hash.h"
 #include "wire/log/log_reader.h"
+#include "wire/log/log_writer.h"
 #include "wire/protocol/log_policy.h"
 #include "wire/schema/codec.h"
 
@@ -272,6 +273,7 @@ TEST_F(DamagedLog, NorInRealTime) {
 
 // beyond the last CHECK nothing proves anything
 TEST_F(DamagedLog, NorInRealTimeBeforeTheLastCheckOfALogWithoutEnd) {
+  static_assert(kCheckEvery == 1000);
   const Log log = log_of(realtime_log(dir_ + "/a", 800, false), realtime_log(dir_ + "/b", 20, true));
   const auto check = std::find_if(log.places.rbegin(), log.places.rend(),
                                   [](const Place& p) { return p.channel == "CHECK"; });
@@ -320,6 +322,35 @@ TEST_F(DamagedLog, ALogOfAnEarlierVersionHasNoChecksumsAndStaysReadable) {
                                     [](const Place& p) { return p.channel == "COMMAND"; });
   damaged[command->offset + command->size - 20] ^= 1;
   EXPECT_EQ(read(damaged).damage_count, 1);
+}
+
+// As earlier versions wrote it: no CHECK, no check in END.
+TEST_F(DamagedLog, WithoutChecksumsItLooksAtFramingNumbersRunAndSteps) {
+  store(dir_ + "/new.lcm", realtime_log(dir_ + "/a", 300, true));
+  LogReader reader(dir_ + "/new.lcm");
+  LogWriter writer(dir_ + "/old.lcm");
+  for (LogEvent event; reader.next(event);) {
+    Bytes message(event.data.begin(), event.data.end());
+    if (event.channel == "END") std::fill(message.end() - 8, message.end(), 0);
+    if (event.channel != "CHECK" && event.channel != "TYPE") writer.add(event.utime, event.channel, message);
+  }
+  writer.finish();
+  const Log log = log_of(load(dir_ + "/old.lcm"), {});
+  const Place& state = *std::find_if(log.places.begin() + 450, log.places.end(),
+                                     [](const Place& p) { return p.channel == "ROBOT_STATE"; });
+  const auto complete = [&](size_t offset, uint8_t bit) {
+    Bytes bytes = log.bytes;
+    bytes[state.offset + offset] ^= bit;
+    return read(bytes).complete();
+  };
+  EXPECT_FALSE(read(log.bytes).checksums);
+  EXPECT_TRUE(complete(0, 0));
+  EXPECT_TRUE(complete(state.size - 36, 1)) << "an effort: nothing knows better";
+  EXPECT_FALSE(complete(3, 1)) << "sync word";
+  EXPECT_FALSE(complete(11, 1)) << "number";
+  const size_t message = 28 + state.channel.size();
+  EXPECT_FALSE(complete(message + 16, 1)) << "run";
+  EXPECT_FALSE(complete(message + 24, 1)) << "step";
 }
 
 TEST_F(DamagedLog, TwoRunsInOneFileAreNeverMixed) {

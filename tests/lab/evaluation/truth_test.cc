@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <lab/command_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <nlohmann/json.hpp>
 
 #include "lab/evaluation/read_run.h"
 #include "lab/experiment/experiment_yaml.h"
+#include "lab/run/run.h"
 #include "procs/logger/log_files.h"
 #include "procs/solo/direct.h"
 #include "procs/solo/solo.h"
@@ -127,6 +129,27 @@ TEST_F(Truth, IsRefusedWhenTheLogDoesNotFollowFromItself) {
     return channel != Channel::RobotState || decode<robot_state_t>(bytes).step != 7;
   });
   EXPECT_EQ(complaint(), dir_ + "/other.lcm: step 7 is not in the log; the true states need every step");
+}
+
+// Planner and controller, when they restart, fold the log of their run: a step that is not what was written is left out.
+TEST_F(Truth, WhoRestartsIsGivenWholeStepsOnly) {
+  const auto steps = [](const std::string& path, int64_t run) {
+    size_t count = 0;
+    log_reader(path)(
+        run, [&](Channel channel, std::span<const uint8_t>) { count += channel == Channel::RobotState; });
+    return count;
+  };
+  const int64_t run = read_run(log()).id;
+  EXPECT_EQ(steps(log(), run), 401u);
+  std::fstream file(log(), std::ios::in | std::ios::out | std::ios::binary);
+  LogReader reader(log());
+  for (LogEvent event; reader.next(event);) {
+    if (event.channel != "ROBOT_STATE" || peek_step(event.data) != 200) continue;
+    file.seekp(static_cast<std::streamoff>(event.offset + event.bytes.size() - 30));
+    file.put(1);
+  }
+  file.close();
+  EXPECT_EQ(steps(log(), run), 400u);
 }
 
 }  // namespace

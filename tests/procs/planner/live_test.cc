@@ -115,6 +115,20 @@ TEST(PlannerLive, HeldItStaysWithTheRobotAndThenGoesOnWithoutAJump) {
   EXPECT_GT(std::abs(f.last.v[0]) + std::abs(f.last.a[0]), 1e-3) << "it swings again";
 }
 
+// However long the robot is held, the motion goes on from where it was.
+TEST(PlannerLive, TheMotionIsPausedWhileTheRobotIsHeld) {
+  Follower f(moving());
+  for (int k = 0; k < 500; ++k) f.next();
+  for (int k = 0; k < 7000; ++k) f.next(true);
+  for (int k = 0; k < 3000; ++k) f.next();
+  ASSERT_LT(f.state.ramp, 2.9) << "the ramp, in which half of its time is lost, is over";
+  Reference wanted = f.last;
+  f.config.motion->at(3.499 - f.state.ramp / 2, wanted);  // 0.5 s before, 2.999 s since
+  EXPECT_LT((f.last.q - wanted.q).norm(), 1e-9);
+  f.config.motion->at(10.499 - f.state.ramp / 2, wanted);
+  EXPECT_GT((f.last.q - wanted.q).norm(), 0.1) << "without a pause";
+}
+
 // Also where the motion itself is at rest: the way back from where the robot was stopped takes its time.
 TEST(PlannerLive, HeldElsewhereItComesBackToARestWithoutAJump) {
   Experiment e;

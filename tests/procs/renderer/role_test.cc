@@ -12,6 +12,7 @@
 #include "tests/procs/renderer/sample.h"
 #include "tests/support/paths.h"
 #include "tests/wire/protocol/message.h"
+#include "wire/log/log_writer.h"
 #include "wire/schema/codec.h"
 
 namespace lab::renderer {
@@ -28,12 +29,15 @@ class RoleTest : public testing::Test {
 
   void tick(Micros now) { role_.tick(now_ = now); }
   void hear_run() { role_.receive(Channel::Run, encode(run_), now_); }
-  void hear_state(int64_t step, int64_t run = 0) {
-    auto m = message_of<robot_state_t>(run == 0 ? run_.run : run, step);
+  Bytes state(int64_t step, int64_t run) const {
+    auto m = message_of<robot_state_t>(run, step);
     m.nq = m.nv = 6;
     m.q = {-0.5, 0.6, -1.0, 0, 0.4, 0.001 * static_cast<double>(step)};
     m.v = m.tau = std::vector<double>(6);
-    role_.receive(Channel::RobotState, encode(m), now_);
+    return encode(m);
+  }
+  void hear_state(int64_t step, int64_t run = 0) {
+    role_.receive(Channel::RobotState, state(step, run == 0 ? run_.run : run), now_);
   }
   void hear_end(int64_t step) {
     role_.receive(Channel::End, encode(message_of<end_t>(run_.run, step)), now_);
@@ -101,6 +105,17 @@ TEST_F(RoleTest, DrawsTheStatesOfItsRunInOrder) {
   EXPECT_EQ(role_.outcome().exit_code, kOk) << role_.outcome().reason;
   EXPECT_EQ(frames_, (std::vector<int64_t>{0, 50, 100, 150, 200}));
   EXPECT_TRUE(std::filesystem::exists(folder_ + "/contact.png"));
+}
+
+TEST_F(RoleTest, FillsGapsFromTheLog) {
+  LogWriter log(folder_ + "/log.lcm");
+  for (const int64_t step : {0, 50, 100}) log.add(step, "ROBOT_STATE", state(step, run_.run));
+  log.flush();
+  hear_run();
+  for (const int64_t step : {0, 100, 150, 200}) hear_state(step);  // 50 was lost
+  hear_end(200);
+  draw();
+  EXPECT_EQ(frames_, (std::vector<int64_t>{0, 50, 100, 150, 200}));
 }
 
 TEST_F(RoleTest, OfARunThatBreaksOffItKeepsWhatItHas) {

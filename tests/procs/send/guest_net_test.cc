@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <lab/reply_t.hpp>
+#include <lab/request_t.hpp>
 #include <lab/run_t.hpp>
 #include <thread>
 
@@ -82,6 +84,24 @@ TEST(Guest, SilenceIsNoLab) {
   options.timeout = 0.2;
   Guest guest(options);
   EXPECT_FALSE(guest.bind_to_run());
+}
+
+// What is lost on the way, there or back, is sent again.
+TEST(Guest, AsksUntilItIsAnswered) {
+  Options options;
+  options.url = url(next_port());
+  const auto simulator = open_bus(options.url);
+  std::atomic<int> asked = 0;
+  std::thread answers([&] {
+    for (int n = 0; n < 500 && asked < 3; ++n)
+      simulator->poll(10'000, [&](const Datagram& datagram) { asked += datagram.channel == "REQUEST"; });
+    simulator->publish("REPLY", encode(message_of<reply_t>(1, kBeforeStart)));
+  });
+  Guest guest(options);
+  EXPECT_TRUE(guest.ask(Channel::Request, encode(message_of<request_t>(1, kBeforeStart)),
+                        [](Channel channel, auto) { return channel == Channel::Reply; }));
+  answers.join();
+  EXPECT_EQ(asked, 3);
 }
 
 }  // namespace

@@ -62,11 +62,48 @@ TEST(Hands, HoldingBringsTheRobotToRestAndKeepsItThere) {
     const Output out = step(config, state, {});
     EXPECT_EQ(out.mode, safety::Mode::Waiting);
     for (int i = 0; i < 6; ++i) ASSERT_LE(std::abs(out.state.tau[i]), config.model.upperEffortLimit[i]);
+    if (k == 499) {
+      EXPECT_LT(state.robot.v.cwiseAbs().maxCoeff(), 0.01 * 0.5) << "exp(-5) of its speed after 0.5 s";
+    }
   }
   const Eigen::VectorXd q = state.robot.q;
   for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(state.robot.v[i]), 1e-6);
   for (int k = 0; k < 1000; ++k) step(config, state, {});
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(state.robot.q[i], q[i], 1e-6);
+}
+
+// A shoulder that rests level, 1 m before a mass of 2 kg: without gravity's moment of 2 g it begins to sink; of a speed only
+// exp(-t / 0.1 s) is left.
+TEST(Hands, HeldByDampingItIsBrakedAndSinks) {
+  for (const double gravity : {9.81, 0.0}) {
+    Experiment e = live();
+    e.safety.hold = "damping";
+    e.simulator.q0.value = 0.0;
+    e.simulator.v0.value = gravity > 0 ? 0.0 : 1.0;
+    rbd::Model model;
+    model.addJoint(0, rbd::JointModelRY(), rbd::SE3(), "shoulder");
+    model.appendBodyToJoint(1, rbd::Inertia(2, Eigen::Vector3d(1, 0, 0), Eigen::Matrix3d::Identity() * 0.01));
+    model.gravity.linear()[2] = -gravity;
+    const Config config = make_config(e, model);
+    State state = initial(config);
+    for (int k = 0; k < 500; ++k) EXPECT_EQ(step(config, state, {}).mode, safety::Mode::Waiting);
+    if (gravity > 0)
+      EXPECT_GT(state.robot.q[0], 0.1) << "about y, down is positive";
+    else
+      EXPECT_NEAR(state.robot.v[0], std::exp(-5), 1e-3);
+  }
+}
+
+// 20 ms by default; never longer than was asked for, and in steps.
+TEST(Hands, TheTimeoutIsThatOfTheExperiment) {
+  Experiment e = live();
+  ASSERT_EQ(e.simulator.dt, 1e-3);
+  EXPECT_EQ(make_config(e, arm()).safety.timeout, 20);
+  e.simulator.dt = 3e-3;
+  EXPECT_EQ(make_config(e, arm()).safety.timeout, 6);
+  e.safety.timeout = 0.1;
+  e.simulator.dt = 1e-2;
+  EXPECT_EQ(make_config(e, arm()).safety.timeout, 10) << "rounding";
 }
 
 // Two roads to the effort M (-v / 0.1 s) + nle: here by the mass matrix. Limits are not symmetric.
@@ -129,6 +166,20 @@ TEST(Hands, WhateverTheControllerWantsSpeedAndEffortStayInsideTheirLimits) {
   }
   EXPECT_GT(holding, 0) << "the guard had to step in";
   EXPECT_GT(running, 0) << "and let go again";
+}
+
+TEST(Hands, InLockstepThereIsNoSpeedGuard) {
+  Experiment e = live();
+  e.simulator.clock = "lockstep";
+  rbd::Model model = arm();
+  model.upperVelocityLimit.setConstant(0.1);
+  model.lowerVelocityLimit.setConstant(-0.1);
+  const Config config = make_config(e, model);
+  State state = initial(config);
+  const Command command{.tau = Eigen::VectorXd::Constant(6, 5.0)};
+  for (int k = 0; k < 200; ++k)
+    ASSERT_EQ(step(config, state, {.command = &command}).mode, safety::Mode::Running);
+  EXPECT_GT(state.robot.v.cwiseAbs().maxCoeff(), 0.1);
 }
 
 TEST(Hands, AnEmergencyStopInLockstepLeavesTheCommandAside) {

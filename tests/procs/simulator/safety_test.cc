@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
+#include <string>
 
 namespace lab::safety {
 namespace {
@@ -104,6 +106,11 @@ TEST(Safety, ManualWaitsForAPerson) {
   }
   EXPECT_EQ(m.commanded(100), Mode::Holding);
   EXPECT_EQ(m.next(1, false, true), Mode::Running);  // enough fresh commands long ago
+  while (m.next() == Mode::Running) {
+  }
+  EXPECT_EQ(m.next(0, false, true), Mode::Holding) << "a person alone is not enough";
+  EXPECT_EQ(m.commanded(19), Mode::Holding);
+  EXPECT_EQ(m.next(1), Mode::Running);
 }
 
 TEST(Safety, AnEmergencyStopIsLatched) {
@@ -147,6 +154,30 @@ TEST(Safety, LockstepHasNoWatchdogButAnEmergencyStop) {
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(m.next(), Mode::Running);
   EXPECT_EQ(m.next(0, true), Mode::Stopped);
   EXPECT_EQ(m.next(0, false, true), Mode::Running);
+}
+
+// PROCESS tells Waiting from Holding by nothing; every other change is an EVENT, with who and why.
+TEST(Safety, EachChangeIsAnEventWithItsSourceAndReason) {
+  EXPECT_STREQ(name(Mode::Waiting), "HOLDING");
+  EXPECT_STREQ(name(Mode::Holding), "HOLDING");
+  EXPECT_STREQ(name(Mode::Running), "RUNNING");
+  EXPECT_STREQ(name(Mode::Stopped), "FAULT");
+  std::mt19937 random(11);
+  std::set<std::string> seen;
+  for (int round = 0; round < 100; ++round) {
+    Machine m(round % 2 ? kAuto : kManual);
+    for (int i = 0; i < 1000; ++i) {
+      const Mode before = m.state.mode;
+      m.events.clear();
+      const Mode after = m.next((i / 40) % 2 ? 0 : 1, random() % 300 == 0, random() % 100 == 0);
+      EXPECT_TRUE(before == after || !m.events.empty()) << name(before) << " became " << name(after);
+      for (const Event& event : m.events) {
+        seen.insert(event.what);
+        EXPECT_TRUE(!event.who.empty() && !event.why.empty()) << event.what;
+      }
+    }
+  }
+  EXPECT_EQ(seen, (std::set<std::string>{"estop", "holding", "rearm", "running"}));
 }
 
 // Whatever happens: RUNNING only with a command younger than the timeout, and never from STOPPED without rearm.

@@ -10,6 +10,7 @@
 
 #include "lab/evaluation/read_run.h"
 #include "lab/experiment/experiment_yaml.h"
+#include "lab/run/run.h"
 #include "procs/logger/log_files.h"
 #include "procs/solo/solo.h"
 #include "tests/support/paths.h"
@@ -104,6 +105,21 @@ TEST(DirectLoop, CanBeStopped) {
   int asked = 0;
   EXPECT_FALSE(solo::run_direct(e, load_robot(e).model, [&] { return ++asked < 3; }).has_value());
   EXPECT_EQ(asked, 3);
+}
+
+// The id by which messages of other runs are told from ours.
+TEST(RunNumber, IsAHashInLockstepAndNewAtEveryStartInRealTime) {
+  const auto id = [](const char* file, std::vector<std::string> overrides) {
+    const Experiment e = load_experiment(lab::source_path("experiments/") + file, overrides);
+    return make_run(e, load_robot(e)).run;
+  };
+  const int64_t one = id("arm3_cubic_pd.yaml", {});
+  EXPECT_EQ(id("arm3_cubic_pd.yaml", {}), one);
+  EXPECT_NE(id("arm3_cubic_pd.yaml", {"seed=7"}), one);
+  EXPECT_NE(id("arm3_cubic_pd.yaml", {"controller.kp=1"}), one) << "experiment";
+  EXPECT_NE(id("arm3_cubic_pd.yaml", {"robot.armature=0.3"}), one) << "model";
+  const std::vector<std::string> live{"simulator.clock=realtime"};
+  EXPECT_NE(id("arm3_cubic_pd.yaml", live), id("arm3_cubic_pd.yaml", live));
 }
 
 }  // namespace

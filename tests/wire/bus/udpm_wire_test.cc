@@ -164,6 +164,23 @@ TEST(UdpmAssembler, MemoryFollowsWhatArrivedNotWhatIsClaimed) {
   EXPECT_EQ(assembler.held_bytes(), 3u);
 }
 
+TEST(UdpmAssembler, AllHalfDoneMessagesTogetherAreBounded) {
+  static_assert(Assembler::kInAll == 64 && Assembler::kMaxBytes == 256 << 20);
+  Assembler assembler(64 << 20);
+  const Bytes part(20 << 20);
+  Packet packet;
+  packet.fragment = true;
+  packet.size = 64 << 20;
+  packet.parts = 4;
+  packet.channel = "C";
+  packet.data = part;
+  for (uint64_t sender = 1; sender <= 16; ++sender) {
+    assembler.add(sender, packet);
+    ASSERT_LE(assembler.held_bytes(), Assembler::kMaxBytes + part.size()) << "looked at before each packet";
+  }
+  EXPECT_GE(assembler.held_bytes(), Assembler::kMaxBytes - part.size());
+}
+
 // Parts that overlap and leave a gap of the same size are not a message, although their bytes add up.
 TEST(UdpmAssembler, OverlapAndGapThatAddUpAreRefused) {
   Assembler assembler(100);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -47,6 +48,29 @@ TEST_F(LaunchRecordTest, ASocketIsOursWhereTheProcessHasIt) {
   EXPECT_EQ(record.check(kController, address_), Claim::Ours);
   close(socket_);
   EXPECT_EQ(record.check(kController, address_), Claim::Stranger) << "nobody has that port now";
+}
+
+// A Procfile's line is a shell that starts the program.
+TEST_F(LaunchRecordTest, ASocketOfAChildIsOurs) {
+  if (!std::filesystem::exists("/proc/self/task/" + std::filesystem::read_symlink("/proc/self").string() +
+                               "/children"))
+    GTEST_SKIP() << "this kernel does not list children";
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {  // keeps the socket until the pipe is closed
+    char end = 0;
+    close(ends[1]);
+    const ssize_t n = read(ends[0], &end, 1);
+    _exit(n == 0 ? 0 : 1);
+  }
+  close(ends[0]);
+  close(socket_);
+  EXPECT_EQ(LaunchRecord(run_dir_).check(kController, address_), Claim::Ours);
+  close(ends[1]);
+  EXPECT_EQ(waitpid(child, nullptr, 0), child);
+  EXPECT_EQ(LaunchRecord(run_dir_).check(kController, address_), Claim::Stranger);
 }
 
 TEST_F(LaunchRecordTest, WhatIsNotStartedYetCannotSpeak) {

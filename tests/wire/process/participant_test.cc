@@ -2,9 +2,13 @@
 #include "wire/process/participant.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mman.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <lab/command_t.hpp>
 #include <lab/process_t.hpp>
 #include <lab/reference_t.hpp>
@@ -52,11 +56,11 @@ class ParticipantTest : public testing::Test {
     m.q = m.v = m.tau = {0};
     return encode(m);
   }
-  static Bytes process(const char* name, int64_t nonce) {
+  static Bytes process(const char* name, int64_t nonce, const char* its_state = "READY") {
     auto m = message_of<process_t>(kRun, kBeforeStart);
     m.name = name;
     m.nonce = nonce;
-    m.state = "READY";
+    m.state = its_state;
     return encode(m);
   }
   /// The newest PROCESS of this name that the role was given.
@@ -173,6 +177,83 @@ TEST_F(ParticipantTest, TheWindowOfTheOthersFollowsRobotState) {
   EXPECT_EQ(steps(Channel::Reference), (std::vector<int64_t>{5000, 100 + kWindow}));
   EXPECT_EQ(newest(kController).rejected, 1);
 }
+
+// A REQUEST that names no run may be meant for it. One that is ending is none, and no other process speaks for its lab.
+TEST_F(ParticipantTest, NoticesTheSimulatorOfAnotherLab) {
+  const std::pair<const char*, const char*> others[] = {
+      {kLogger, "RUNNING"}, {kSimulator, "STOPPING"}, {kSimulator, "FAULT"}, {kSimulator, "RUNNING"}};
+  role_.send = [&] {
+    for (const auto& [name, its_state] : others)
+      publish_(Channel::Process, process(name, kNonce + 1, its_state));
+    publish_(Channel::Process, process(kPlanner, kNonce));
+  };
+  role_.done = [&] { return newest(kPlanner).state == "READY"; };
+  EXPECT_EQ(participant_->run(role_), kOk);
+  EXPECT_EQ(role_.neighbours, 1);
+}
+
+// Before the first step even a process of the lab may be unknown for a moment.
+TEST_F(ParticipantTest, SaysAtMostOnceASecondWhatItIgnores) {
+  for (const int64_t step : {int64_t{-1}, kStep}) {
+    role_ = Script();
+    become(kSimulator);
+    role_.at = step;
+    role_.send = [&] {
+      for (int n = 0; n < 50; ++n) publish_(Channel::Process, process(kLogger, kNonce + 1));
+    };
+    role_.done = [&] { return role_.strangers.size() >= 50; };
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(participant_->run(role_), kOk);
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), step < 0 ? 0 : 1) << said;
+    EXPECT_EQ(said.find("lab-simulator: ignored PROCESS: a logger of another lab"),
+              step < 0 ? std::string::npos : 0);
+  }
+}
+
+TEST_F(ParticipantTest, SaysHowLateItsTicksAre) {
+  role_.late.emplace();
+  for (int us = 0; us < 1000; ++us) role_.late->add(us);
+  role_.late->add(50'000);
+  role_.done = [&] { return newest(kSimulator).lateness_max > 0; };
+  EXPECT_EQ(participant_->run(role_), kOk);
+  const process_t process = newest(kSimulator);
+  EXPECT_EQ(process.overruns, 3);
+  EXPECT_EQ(process.lateness_p50, 500);
+  EXPECT_EQ(process.lateness_p99, 990);
+  EXPECT_EQ(process.lateness_max, 50'000);
+}
+
+TEST_F(ParticipantTest, IsAwakeBeforeATick) {
+  role_.due = 10'000;
+  EXPECT_EQ(time_to_sleep(role_, 1'000'000, 7'000), 3'000) << "for a role without ticks";
+  role_.late.emplace();
+  EXPECT_EQ(time_to_sleep(role_, 1'000'000, 7'000), 2'950);
+  EXPECT_EQ(time_to_sleep(role_, 1'000'000, 9'949), 1);
+  for (const Micros now : {9'950, 9'999, 10'000, 11'000}) EXPECT_EQ(time_to_sleep(role_, 1'000'000, now), 0);
+  EXPECT_EQ(time_to_sleep(role_, 8'000, 7'000), 1'000) << "PROCESS is due";
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their memory cannot be locked
+TEST_F(ParticipantTest, AsksForRealTimeOrSaysThatItMayNot) {
+  role_.rank = 2;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(participant_->run(role_), kOk);
+  const std::string said = testing::internal::GetCapturedStderr();
+  sched_param got{};
+  sched_getparam(0, &got);
+  const bool is_fifo = sched_getscheduler(0) == SCHED_FIFO && got.sched_priority == 42;
+  EXPECT_EQ(is_fifo, said.find("not permitted to use SCHED_FIFO") == std::string::npos) << said;
+  std::ifstream status("/proc/self/status");
+  int64_t locked = 0;
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmLck:")) locked = std::stoll(line.substr(6));
+  EXPECT_EQ(locked > 0, said.find("mlockall") == std::string::npos) << said;
+  const sched_param ordinary{};
+  sched_setscheduler(0, SCHED_OTHER, &ordinary);
+  munlockall();
+}
+#endif
 
 }  // namespace
 }  // namespace lab

@@ -1,6 +1,7 @@
 // The logger in lockstep, alone with messages made by hand: which bytes it writes.
 #include <gtest/gtest.h>
 
+#include <lab/ack_t.hpp>
 #include <lab/command_t.hpp>
 #include <lab/need_t.hpp>
 #include <lab/reference_t.hpp>
@@ -147,6 +148,53 @@ TEST(LockstepLogger, FlushesOnlyALogThatIsOpen) {
                    [](Channel, std::span<const uint8_t>) {}};
   early.tick(kRepeat);
   EXPECT_EQ(unopened.flushes, 0);
+}
+
+// The simulator forgets what is acknowledged: it must be with the kernel, not in a buffer of ours.
+TEST(LockstepLogger, AnAckMeansWritten) {
+  static_assert(kRepeat == 100'000);
+  Bench bench;
+  bench.logger.tick(0);
+  const auto acknowledged = [&] {
+    int64_t last = kBeforeStart;
+    for (const auto& [channel, bytes] : bench.sent)
+      if (channel == Channel::Ack) last = decode<ack_t>(bytes).complete_to;
+    return last;
+  };
+  bench.logger.receive(Channel::RobotState, state(0, 0), 0);
+  bench.logger.receive(Channel::Reference, reference(0), 0);
+  bench.logger.receive(Channel::Command, command(0, 2.5), 0);
+  bench.logger.receive(Channel::RobotState, state(1, used_digest()), 0);
+  EXPECT_EQ(bench.logger.step(), 0);
+  EXPECT_EQ(bench.log.kept.size(), 1u) << "only RUN is with the kernel";
+  EXPECT_EQ(acknowledged(), kBeforeStart);
+  bench.wait(kRepeat);
+  EXPECT_EQ(bench.log.kept.size(), 4u);
+  EXPECT_EQ(acknowledged(), 0);
+}
+
+TEST(LockstepLogger, ItsLogIsNotSplitAndOnlyThatOfRealTimeIs) {
+  struct Kind : MemorySink {
+    using MemorySink::MemorySink;
+    void open(int64_t, LogKind kind, const std::function<void(Channel, std::span<const uint8_t>)>&) override {
+      split = kind.may_split;
+    }
+    bool split = false;
+  };
+  for (const bool realtime : {false, true}) {
+    MemoryLog log;
+    Kind sink{log};
+    LoggerRole logger{LoggerConfig{},
+                      [realtime](const run_t& run) {
+                        RunSetup setup = toy_setup(run);
+                        setup.realtime = realtime;
+                        return setup;
+                      },
+                      [](int64_t) { return std::vector<Bytes>{}; }, sink,
+                      [](Channel, std::span<const uint8_t>) {}};
+    logger.receive(Channel::Run, encode(message_of<run_t>(kRun, kBeforeStart)), 0);
+    EXPECT_EQ(sink.split, realtime);
+  }
 }
 
 TEST(LockstepLogger, ARunThatItCannotReadEndsIt) {

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <string>
+#include <string_view>
+
 #include "wire/protocol/reply_cache.h"
 
 namespace lab::test {
@@ -30,9 +34,22 @@ TEST(Publishers, EveryChannelHasAnOwnerOrNamesOneOrIsForAll) {
                        channel.publisher != Publisher::Nobody;
     EXPECT_EQ(owned, named) << channel.name;
   }
-  EXPECT_EQ(Publishers::owner_of(Channel::Command), kController);
-  EXPECT_EQ(Publishers::owner_of(Channel::RobotState), kSimulator);
-  EXPECT_EQ(Publishers::owner_of(Channel::Request), "");
+  std::map<std::string_view, std::string> of;
+  for (const ChannelRow& channel : kChannelTable) {
+    const std::string_view owner = Publishers::owner_of(channel.id);
+    const std::string_view who = channel.publisher == Publisher::Named     ? "named"
+                                 : channel.publisher == Publisher::Anybody ? "anybody"
+                                                                           : owner;
+    of[who] += std::string(channel.name) + " ";
+  }
+  EXPECT_EQ(of,
+            (std::map<std::string_view, std::string>{{kSimulator, "RUN TYPE ROBOT_STATE REPLY INPUT END "},
+                                                     {kPlanner, "REFERENCE "},
+                                                     {kController, "COMMAND "},
+                                                     {kRenderer, "FRAME "},
+                                                     {"named", "EVENT ACK NEED PROCESS "},
+                                                     {"anybody", "REQUEST "},
+                                                     {"", "CHECK "}}));
 }
 
 TEST(Publishers, OnlyThePinnedAddressCounts) {
@@ -68,6 +85,7 @@ TEST(Publishers, AnotherLaunchsProcessesAreStrangers) {
 }
 
 TEST(Publishers, ARestartedProcessTakesItsNameOverWhenTheOldOneIsSilent) {
+  static_assert(Publishers::kSilence == 300'000);
   Publishers simulator = known_to(kSimulator);
   EXPECT_EQ(simulator.message(Channel::Command, kController, kCtrl, 1'000'000), "");
   EXPECT_EQ(simulator.process(kController, kNonce, 301, 1'000'000 + Publishers::kSilence - 1),
@@ -171,6 +189,7 @@ TEST(ReplyCache, ARepeatedRequestGetsItsReplyAgainAndAnOlderOneIsStale) {
 }
 
 TEST(ReplyCache, IsBoundedAndForgetsTheSilent) {
+  static_assert(ReplyCache::kMaxSenders == 4096 && ReplyCache::kForget == 10'000'000);
   ReplyCache cache;
   const auto name = [](size_t i) { return "sender" + std::to_string(i); };
   for (size_t i = 0; i < ReplyCache::kMaxSenders; ++i) cache.remember(name(i), 1, {1}, 0);

@@ -11,6 +11,7 @@
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
 #include <lab/type_t.hpp>
+#include <stdexcept>
 
 #include "tests/wire/protocol/message.h"
 #include "wire/protocol/controller_role.h"
@@ -111,14 +112,19 @@ TEST_F(RealtimeController, AnswersTheNewestStateWithAFreshReferenceOnly) {
   EXPECT_EQ(commands[0].tau, std::vector<double>{3.5});
   EXPECT_EQ(role.state(), "RUNNING");
   EXPECT_EQ(role.step(), 3);
+  EXPECT_GT(role.urgency(), 0);
   role.receive(Channel::RobotState, state(2), 1500);
   EXPECT_EQ(role.late(), 1);
+  role.receive(Channel::RobotState, state(3), 1500);
+  role.receive(Channel::Reference, reference(4), 1500);
+  role.tick(1500);
+  EXPECT_EQ(sent.all<command_t>(Channel::Command).size(), 1u) << "no new state";
 
-  role.receive(Channel::RobotState, state(22), 22'000);  // the reference is 19 steps old
-  role.tick(22'000);
-  EXPECT_EQ(sent.all<command_t>(Channel::Command).size(), 2u);
-  role.receive(Channel::RobotState, state(23), 23'000);  // 20 steps: safety.timeout
+  role.receive(Channel::RobotState, state(23), 23'000);  // the reference is 19 steps old
   role.tick(23'000);
+  EXPECT_EQ(sent.all<command_t>(Channel::Command).size(), 2u);
+  role.receive(Channel::RobotState, state(24), 24'000);  // 20 steps: safety.timeout
+  role.tick(24'000);
   EXPECT_EQ(sent.all<command_t>(Channel::Command).size(), 2u);
   EXPECT_EQ(role.state(), "HOLDING");
 }
@@ -137,6 +143,20 @@ TEST_F(RealtimeController, WaitsForTheInputsThatAStateCounts) {
   ASSERT_EQ(sent.all<command_t>(Channel::Command).size(), 1u);
   EXPECT_EQ(sent.all<command_t>(Channel::Command)[0].input_seq, 2);
   EXPECT_EQ(actions_, 2);
+}
+
+TEST_F(RealtimeController, EndsTenSecondsAfterTheSimulator) {
+  ControllerRole role = make();
+  role.receive(Channel::Run, run(), 0);
+  Micros now = 0;
+  for (; now <= 10'000'000; now += kRepeat) {
+    role.receive(Channel::Reference, reference(now / kRepeat), now);  // the planner lives
+    role.tick(now);
+    ASSERT_FALSE(role.outcome().ended) << now;
+  }
+  role.tick(now);
+  EXPECT_EQ(role.outcome().exit_code, kTransport);
+  EXPECT_EQ(role.outcome().reason, "nothing from the simulator in 10 s after step -1");
 }
 
 // A simulator that speaks but has no RUN for us is none.
@@ -167,6 +187,7 @@ TEST(RealtimePlanner, PlansForTheStepAfterTheNewestState) {
       sent.publish());
   role.receive(Channel::Run, run(), 0);
   EXPECT_TRUE(sent.all<reference_t>(Channel::Reference).empty());
+  EXPECT_GT(role.urgency(), 0);
   role.receive(Channel::RobotState, state(7), 0);
   role.tick(0);
   ASSERT_EQ(sent.all<reference_t>(Channel::Reference).size(), 1u);
@@ -222,6 +243,21 @@ TEST(RealtimeLogger, WritesWhatArrivesAndEachInputOnce) {
   EXPECT_FALSE(acks[0].closed);
   EXPECT_TRUE(acks[1].closed);
   EXPECT_EQ(acks[1].complete_to, 1);
+}
+
+// A disk that does not take the log: the simulator, which waits for the last ACK, must not hear that all is well.
+TEST(RealtimeLogger, TheLastAckComesAfterTheLogIsClosed) {
+  struct FullDisk : Memory {
+    void close() override { throw std::runtime_error("no space left"); }
+  };
+  Sent sent;
+  FullDisk memory;
+  LoggerRole role({}, setup, [](int64_t) { return std::vector<Bytes>{}; }, memory, sent.publish());
+  role.receive(Channel::Run, run(), 0);
+  role.receive(Channel::RobotState, state(0), 0);
+  role.receive(Channel::End, encode(message_of<end_t>(kRun, 0)), 0);
+  EXPECT_EQ(role.outcome().reason, "no space left");
+  for (const ack_t& ack : sent.all<ack_t>(Channel::Ack)) EXPECT_FALSE(ack.closed);
 }
 
 }  // namespace

@@ -98,6 +98,13 @@ TEST(Channels, KeptAsTheContractSays) {
   EXPECT_EQ(telemetry, "PROCESS FRAME ");
 }
 
+TEST(Channels, WhichStepsMustBeNearTheState) {
+  std::string near;
+  for (const ChannelRow& r : kChannelTable)
+    if (r.near_state) near += std::string(r.name) + " ";
+  EXPECT_EQ(near, "REFERENCE COMMAND INPUT EVENT ACK NEED ");
+}
+
 class GuardTable : public testing::TestWithParam<Channel> {};
 
 TEST_P(GuardTable, AcceptsItsOwnAndNamesWhatItRefuses) {
