@@ -145,8 +145,8 @@ TEST_F(Truth, WhoRestartsIsGivenWholeStepsOnly) {
   LogReader reader(log());
   for (LogEvent event; reader.next(event);) {
     if (event.channel != "ROBOT_STATE" || peek_step(event.data) != 200) continue;
-    file.seekp(static_cast<std::streamoff>(event.offset + event.bytes.size() - 30));
-    file.put(1);
+    file.seekp(static_cast<std::streamoff>(event.offset + event.bytes.size() - 50));
+    file.put(static_cast<char>(event.data[event.data.size() - 50] ^ 1));
   }
   file.close();
   EXPECT_EQ(steps(log(), run), 400u);
