@@ -100,14 +100,14 @@ bool Guest::bind_to_run() {
   return true;
 }
 
-/// Whether the supervisor of the lab that is meant started the sender. True where there is no record to ask.
+/// Whether the supervisor of the lab that is meant started the sender. True where there is no record to ask. Who was known
+/// once stays known: after its answer to `reset` a simulator has ended before its record can be read again.
 bool Guest::is_of_the_lab(Channel channel, uint64_t sender) {
-  if (of_the_lab_.contains({channel, sender})) return true;
-  const bool is = record_.check(kSimulator, sender) != Claim::Stranger ||
-                  ((channel == Channel::Reference || channel == Channel::Event) &&
-                   record_.check(kPlanner, sender) != Claim::Stranger);
-  if (is) of_the_lab_.insert({channel, sender});
-  return is;
+  const bool may_be_planner = channel == Channel::Reference || channel == Channel::Event;
+  if (simulators_.contains(sender) || (may_be_planner && planners_.contains(sender))) return true;
+  if (record_.check(kSimulator, sender) != Claim::Stranger) return simulators_.insert(sender).second;
+  return may_be_planner && record_.check(kPlanner, sender) != Claim::Stranger &&
+         planners_.insert(sender).second;
 }
 
 }  // namespace lab::send

@@ -65,7 +65,7 @@ class Guest {
   Micros until_;
   int64_t run_ = 0;
   LaunchRecord record_;
-  std::set<std::pair<Channel, uint64_t>> of_the_lab_;
+  std::set<uint64_t> simulators_, planners_;  ///< their addresses
   std::unique_ptr<Bus> bus_;
 };
 

@@ -1,8 +1,12 @@
 // A program that is no part of a run, with labs made of one thread that answers. Runs in a private network namespace
 // (tests/support/netns.sh).
 #include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <filesystem>
+#include <fstream>
 #include <lab/reply_t.hpp>
 #include <lab/request_t.hpp>
 #include <lab/run_t.hpp>
@@ -102,6 +106,36 @@ TEST(Guest, AsksUntilItIsAnswered) {
                         [](Channel channel, auto) { return channel == Channel::Reply; }));
   answers.join();
   EXPECT_EQ(asked, 3);
+}
+
+// The simulator's answer to `reset` is the last that it says: its process may have ended before that is read.
+TEST(Guest, BelievesTheSimulatorThatItKnowsThoughItsProcessHasEnded) {
+  char name[] = "/tmp/guest-net-test-XXXXXX";
+  const std::filesystem::path folder = mkdtemp(name);
+  std::filesystem::create_directory(folder / "processes");
+  const auto record = [&](int pid) {
+    std::ofstream(folder / "processes" / "state") << "process simulator running " << pid << "\n";
+  };
+  record(getpid());
+  Options options;
+  options.url = url(next_port());
+  options.run_dir = folder;
+  options.timeout = 5;
+  const auto simulator = open_bus(options.url), stranger = open_bus(options.url);
+  Guest guest(options);
+  const auto wait_for = [&](Channel wanted) {
+    return guest.ask(
+        Channel::Request, encode(message_of<request_t>(1, kBeforeStart)),
+        [&](Channel channel, auto) { return channel == wanted; }, 300'000);
+  };
+  simulator->publish("RUN", encode(message_of<run_t>(1, kBeforeStart)));
+  EXPECT_TRUE(wait_for(Channel::Run));
+  record(1);  // not ours
+  stranger->publish("REPLY", encode(message_of<reply_t>(1, kBeforeStart)));
+  EXPECT_FALSE(wait_for(Channel::Reply));
+  simulator->publish("REPLY", encode(message_of<reply_t>(1, kBeforeStart)));
+  EXPECT_TRUE(wait_for(Channel::Reply));
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace
