@@ -8,8 +8,8 @@
 #include <lab/robot_state_t.hpp>
 #include <lab/run_t.hpp>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -61,8 +61,8 @@ class RunReader {
     out_.run = begin_run(out_.experiment, out_.robot.model);
     out_.run.aborted = true;
     out_.run.reason = "the log has no END";
-    if (!plant_.sensors.perfect()) truth_.emplace(plant_);
-    energy_.emplace(plant_);
+    if (!plant_.sensors.perfect()) truth_ = std::make_unique<simulator::TrueStates>(plant_);
+    energy_ = std::make_unique<simulator::ExternalEnergy>(plant_);
   }
 
   void take(Channel channel, std::span<const uint8_t> data) {
@@ -72,9 +72,12 @@ class RunReader {
       state.time = static_cast<double>(state.step) * out_.experiment.simulator.dt;
       if (states_.size() > kStatesHeld) finish_oldest();
     } else if (channel == Channel::Reference) {
-      wait(references_, to_signal(decode<reference_t>(data)), peek_step(data));
+      references_.try_emplace(peek_step(data),
+                              to_signal(decode<reference_t>(data)));  // the first of a step counts
+      bound(references_);
     } else if (channel == Channel::Command && truth_) {
-      wait(commands_, to_signal(decode<command_t>(data)), peek_step(data));
+      commands_.try_emplace(peek_step(data), to_signal(decode<command_t>(data)));
+      bound(commands_);
     } else if (channel == Channel::Input) {
       const auto message = decode<input_t>(data);
       actions_[message.step].push_back(to_signal(message.action));
@@ -85,10 +88,8 @@ class RunReader {
     }
   }
 
-  /// For its state. The first of a step counts.
   template <class Signal>
-  static void wait(std::map<int64_t, Signal>& waiting, Signal signal, int64_t step) {
-    waiting.try_emplace(step, std::move(signal));
+  static void bound(std::map<int64_t, Signal>& waiting) {
     if (waiting.size() > kMostWaiting) waiting.erase(waiting.begin());
   }
 
@@ -132,8 +133,8 @@ class RunReader {
   const std::string log_;
   LoggedRun out_;
   simulator::Config plant_;
-  std::optional<simulator::TrueStates> truth_;         ///< behind noise and delay
-  std::optional<simulator::ExternalEnergy> energy_;    ///< null until RUN
+  std::unique_ptr<simulator::TrueStates> truth_;       ///< behind noise and delay
+  std::unique_ptr<simulator::ExternalEnergy> energy_;  ///< null until RUN
   std::deque<std::pair<RobotState, int64_t>> states_;  ///< with their command_step
   std::map<int64_t, Reference> references_;
   std::map<int64_t, Command> commands_;

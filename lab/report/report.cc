@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "core/util/exit_code.h"
 #include "core/util/json_text.h"
 #include "core/util/number.h"
 #include "lab/page/page.h"
