@@ -26,6 +26,10 @@ Ink series_ink(size_t i) {
   return kOrder[i % kSeriesInks];
 }
 
+Curve KeptPoints::curve(std::string label, Ink ink) const {
+  return {.label = std::move(label), .x = x_, .y = y_, .ink = ink};
+}
+
 void Thinned::keep(const Point& point) {
   x_.push_back(point.x);
   y_.push_back(point.y);
@@ -51,19 +55,11 @@ void Thinned::close_bucket() {
   if (first.at != second.at) keep(second);
 }
 
-Curve Thinned::curve(std::string label, Ink ink) const {
-  return {.label = std::move(label), .x = x_, .y = y_, .ink = ink};
-}
-
 void ThinnedEvenly::add(double x, double y) {
   const size_t at = added_++;
   if (n_ > points_ && at != x_.size() * (n_ - 1) / (points_ - 1)) return;
   x_.push_back(x);
   y_.push_back(y);
-}
-
-Curve ThinnedEvenly::curve(std::string label, Ink ink) const {
-  return {.label = std::move(label), .x = x_, .y = y_, .ink = ink};
 }
 
 std::pair<double, double> x_range(const Chart& chart) {

@@ -53,15 +53,23 @@ struct Chart {
   bool bars = false;  ///< the first curve as bars from 0: x[i] to x[i + 1], y[i] high
 };
 
+/// The points of a curve that are kept.
+class KeptPoints {
+ public:
+  /// When all have come.
+  Curve curve(std::string label, Ink ink) const;
+
+ protected:
+  std::vector<double> x_, y_;
+};
+
 /// Makes a curve of `n` points while they come, and keeps at most 2 * buckets + 2 of them: minimum and maximum of each
 /// bucket, in their order, so that peaks survive; first and last point stay.
-class Thinned {
+class Thinned : public KeptPoints {
  public:
   Thinned(size_t n, size_t buckets) : n_(n), buckets_(buckets) {}
 
   void add(double x, double y);
-  /// When all have come.
-  Curve curve(std::string label, Ink ink) const;
 
  private:
   struct Point {
@@ -74,20 +82,17 @@ class Thinned {
   size_t n_, buckets_;
   size_t added_ = 0, bucket_ = 0, bucket_end_ = 0;
   Point low_, high_;  ///< of the bucket
-  std::vector<double> x_, y_;
 };
 
 /// Keeps at most `points`, evenly taken, first and last included: for curves in space.
-class ThinnedEvenly {
+class ThinnedEvenly : public KeptPoints {
  public:
   ThinnedEvenly(size_t n, size_t points) : n_(n), points_(points) {}
 
   void add(double x, double y);
-  Curve curve(std::string label, Ink ink) const;
 
  private:
   size_t n_, points_, added_ = 0;
-  std::vector<double> x_, y_;
 };
 
 /// The smallest and largest x (or y) over all curves and marks, and of what the axis must include.
